@@ -1,0 +1,13 @@
+//! Pictures before their transform: grey values, regions, windows, rotation.
+
+mod check;
+mod crop;
+mod grey;
+mod rotate;
+mod window;
+
+pub use check::{MIN_SIDE, check};
+pub use crop::{Region, centre_square};
+pub use grey::{bt601_luma, linear_from_srgb};
+pub use rotate::Rotation;
+pub use window::Window;
