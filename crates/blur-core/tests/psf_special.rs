@@ -1,7 +1,7 @@
 //! The special functions against mpmath (`fixtures/psf/make_special.py`) and against printed tables.
 #![allow(clippy::unwrap_used, reason = "a golden that cannot be read fails the test")]
 
-use blur_core::psf::{fresnel, fresnel_auxiliary, spherical_bessel, spherical_bessel_sums};
+use blur_core::psf::{fresnel, fresnel_auxiliary, sinc, spherical_bessel, spherical_bessel_sums};
 
 /// Function, order, argument, value.
 fn goldens() -> Vec<(String, u32, f64, f64)> {
@@ -139,4 +139,16 @@ fn odd_orders_are_odd_functions_and_extremes_are_finite() {
     assert_eq!(spherical_bessel(2, f64::INFINITY), 0.0);
     assert!(spherical_bessel(2, f64::NAN).is_nan());
     assert!(spherical_bessel_sums(-1.0).even.is_nan());
+}
+
+#[test]
+fn sinc_is_one_at_zero_and_exactly_zero_at_other_integers() {
+    assert_eq!(sinc(0.0), 1.0);
+    assert_eq!(sinc(1e-200), 1.0);
+    for n in [1.0, -2.0, 3.0, 1e6, f64::INFINITY] {
+        assert_eq!(sinc(n), 0.0, "{n}");
+    }
+    assert!((sinc(0.5) - 2.0 / std::f64::consts::PI).abs() < 2e-16);
+    assert!((sinc(-1.5) + 2.0 / (3.0 * std::f64::consts::PI)).abs() < 2e-16);
+    assert!(sinc(f64::NAN).is_nan());
 }
