@@ -30,11 +30,13 @@ mod accelerated;
 mod bessel;
 mod chirp;
 mod fresnel;
+mod raster;
 mod uniform;
 
 pub use accelerated::AcceleratedBlur;
 pub use bessel::{BesselSums, spherical_bessel, spherical_bessel_sums};
 pub use fresnel::{Fresnel, FresnelAuxiliary, fresnel, fresnel_auxiliary};
+pub use raster::{MAX_KERNEL_LENGTH_PX, accelerated_line_kernel, line_kernel};
 pub use uniform::{UniformBlur, sinc};
 
 use crate::{Error, Result};
