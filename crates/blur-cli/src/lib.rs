@@ -1,1 +1,6 @@
-//! Command line.
+//! The command-line tools as a library: from files on a disk to printed measurements.
+
+mod error;
+pub mod units;
+
+pub use error::{Error, Result};
