@@ -2,7 +2,9 @@
 
 mod error;
 pub mod exif;
+pub mod input;
 pub mod picture;
+pub mod sample;
 pub mod units;
 
 pub use error::{Error, Result};
