@@ -17,6 +17,7 @@ pub mod picture;
 pub mod pipeline;
 pub mod record;
 pub mod sample;
+pub mod text;
 pub mod units;
 
 pub use error::{Error, Result};
