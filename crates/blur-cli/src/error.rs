@@ -98,6 +98,14 @@ pub enum Error {
     /// A value or its uncertainty is not a possible measurement.
     #[error(transparent)]
     Measurement(#[from] metrology::Error),
+    /// No method of this name finds angle and length together.
+    #[error("no method called '{name}' finds angle and length together; known: {known}")]
+    UnknownMethod {
+        /// The name asked for.
+        name: String,
+        /// What may be asked for.
+        known: String,
+    },
     /// No method is registered for what was asked.
     #[error("no {kind} method is registered")]
     NoMethod {

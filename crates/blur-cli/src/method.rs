@@ -32,7 +32,10 @@ impl Method {
     pub fn named(name: &str) -> Result<Self> {
         match name.split_once('+') {
             Some((angle, length)) => Self::pair(Some(angle), Some(length)),
-            None => Ok(Self(Choice::Joint(registry::joint(name)?))),
+            None => match registry::joint(name) {
+                Ok(joint) => Ok(Self(Choice::Joint(joint))),
+                Err(_) => Err(unknown(name)),
+            },
         }
     }
 
@@ -76,4 +79,10 @@ fn length_method(name: Option<&str>) -> Result<&'static Length> {
         Some(name) => Ok(registry::length(name)?),
         None => registry::LENGTH.first().ok_or(Error::NoMethod { kind: "length" }),
     }
+}
+
+fn unknown(name: &str) -> Error {
+    let mut known: Vec<_> = registry::JOINT.iter().map(|method| method.name.to_owned()).collect();
+    known.extend(Method::pair(None, None).map(|pair| format!("a pair such as {}", pair.name())));
+    Error::UnknownMethod { name: name.to_owned(), known: known.join(", ") }
 }
