@@ -179,16 +179,19 @@ fn list(text: &mut String, title: &str, methods: impl Iterator<Item = (&'static 
     }
 }
 
+// Lines of at most 78 characters keep their shape on a terminal of 80.
 const EXPLANATION: &str = "\
 What is measured:
-  angle   axis of the motion in the upright picture (EXIF orientation applied), in degrees counter-clockwise
-          from the right, from 0 up to but not including 180. One picture cannot tell a motion from its
-          opposite.
-  length  distance in pixels that a point of the scene moved across the picture during the exposure.
-  speed   scale * length / exposure, in m/s.
-  ok, low_confidence (with the reason) or no_motion_blur says how far to trust the result.
-  After ± stands one standard uncertainty; where (k = 2) follows, the expanded uncertainty. A method that
-  states no uncertainty of the length gives a speed without one.
+  angle   axis of the motion in the upright picture (EXIF orientation applied),
+          in degrees counter-clockwise from the right, from 0 up to but not
+          including 180; one picture cannot tell a motion from its opposite
+  length  distance in pixels that a point of the scene moved across the
+          picture during the exposure
+  speed   scale * length / exposure, in m/s
+  status  ok, low_confidence (with the reason) or no_motion_blur (no speed)
+  After ± stands one standard uncertainty or, where (k = 2) follows, the
+  expanded uncertainty. A method that states no uncertainty of the length
+  gives a speed without one.
 
 Units:
   time    s, ms, us, also as a fraction: 0.1s  100ms  1/250s  250us
@@ -196,14 +199,18 @@ Units:
   A number without a unit is refused.
 
 Pictures:
-  Known by their content, not by their name. A folder stands for the .png, .jpg, .jpeg, .tif and .tiff files
-  directly in it. Colours become luma (BT.601, 0 to 255; 16 bit values are scaled to it, floats stay as they
-  are, alpha is ignored) or, with --linearize, luminance (BT.709 of the decoded light).
+  Known by their content, not by their name. A folder stands for the .png,
+  .jpg, .jpeg, .tif and .tiff files directly in it, sorted by name. Colours
+  become luma (BT.601, 0 to 255; 16 bit values are scaled to it, floats stay
+  as they are, alpha is ignored) or, linearized, luminance (BT.709 of the
+  decoded sRGB light).
 
 JSON fields (--json), absent when not computed:
-  image width height method linearized angle_deg angle_std_deg length_px length_std_px correlation status
-  reason exposure_s exposure_source speed_m_s speed_std_m_s speed_expanded_m_s coverage_k time_ms
-  time_ms is the time of the estimator alone. A picture that failed gives image and error.
+  image width height method linearized angle_deg angle_std_deg length_px
+  length_std_px correlation status reason exposure_s exposure_source speed_m_s
+  speed_std_m_s speed_expanded_m_s coverage_k time_ms
+  time_ms is the time of the estimator alone, without reading the file.
+  A picture that failed gives image and error.
 
 Exit status:
   0  every input was measured
@@ -211,9 +218,10 @@ Exit status:
   2  the command line is wrong
 
 Examples:
-  estimate                                      try it on the built-in sample
-  estimate photo.jpg                            direction and length
-  estimate --roi 400,300,512,512 photo.jpg      of a moving object in a still scene
-  estimate --exposure 100ms --exposure-u 0.1ms --scale 0.7789mm/px --scale-u 0.002mm/px slider.png
+  estimate                                   try it on the built-in sample
+  estimate photo.jpg                         direction and length
+  estimate --roi 400,300,512,512 photo.jpg   a moving object in a still scene
+  estimate --exposure 100ms --exposure-u 0.1ms \\
+           --scale 0.7789mm/px --scale-u 0.002mm/px slider.png
   estimate --json --jobs 4 'run1/*.png' run2 > results.jsonl
   estimate --known-angle 0 --range 10,80 rail.tif";
