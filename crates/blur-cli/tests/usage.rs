@@ -72,7 +72,7 @@ fn the_methods_asked_for_are_the_methods_used() {
     let folder = folder("methods");
     let path = write(&folder, "a.png", &png(blurred(256, 256, 20, 1)));
     let path = path.to_str().unwrap();
-    let (angle, length) = (registry::ANGLE[0].name, registry::LENGTH[0].name);
+    let (angle, length) = (registry::ANGLE.first().unwrap().name, registry::LENGTH.first().unwrap().name);
     let pair = format!("{angle}+{length}");
     for (arguments, expected) in [
         (vec!["--angle", angle], pair.clone()),
