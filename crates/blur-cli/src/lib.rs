@@ -1,1 +1,23 @@
-//! Command line.
+//! The command-line tools as a library: from files on a disk to printed measurements.
+//!
+//! The modules are the path that the data takes:
+//!
+//! [`input`] (files, folders, patterns) → [`picture`] (decode, luma, orientation; with [`exif`]) → [`measure`]
+//! (options, estimator, record; with [`method`]) → [`pipeline`] (many pictures on several threads, results in order) →
+//! [`record`] (JSON) and [`text`] (for people). [`units`] reads quantities such as `1/250s` and `0.7789mm/px`.
+//!
+//! Nothing here prints or ends the process; only the programs in `src/bin` do.
+
+mod error;
+pub mod exif;
+pub mod input;
+pub mod measure;
+pub mod method;
+pub mod picture;
+pub mod pipeline;
+pub mod record;
+pub mod sample;
+pub mod text;
+pub mod units;
+
+pub use error::{Error, Result};

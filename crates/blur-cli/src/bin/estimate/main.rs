@@ -1,0 +1,99 @@
+//! Measures motion blur in pictures: `estimate --help`.
+
+mod args;
+
+use std::io::{self, IsTerminal, Write};
+use std::num::NonZeroUsize;
+use std::ops::ControlFlow;
+use std::process::ExitCode;
+use std::thread;
+
+use blur_cli::input::{self, Input};
+use blur_cli::record::{self, Record};
+use blur_cli::{Error, pipeline, sample, text};
+use clap::error::ErrorKind;
+use clap::{CommandFactory, Parser};
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+
+use args::Args;
+
+fn main() -> ExitCode {
+    let args = Args::parse();
+    let options = match args.options() {
+        Ok(options) => options,
+        Err(error) => Args::command().error(ErrorKind::ValueValidation, error.one_line()).exit(),
+    };
+    let inputs = if args.inputs.is_empty() {
+        complain(&sample::description());
+        vec![Input::Sample]
+    } else {
+        input::expand(&args.inputs)
+    };
+    let jobs = args.jobs.or_else(|| thread::available_parallelism().ok()).unwrap_or(NonZeroUsize::MIN);
+    let mut output = Output { json: args.json, bar: progress_bar(inputs.len()), failed: false };
+    let finished = pipeline::run(&inputs, &options, jobs, |input, outcome| output.report(&input.name(), outcome));
+    output.bar.finish_and_clear();
+    if let Err(error) = finished {
+        complain(&error.one_line());
+        output.failed = true;
+    }
+    if output.failed { ExitCode::FAILURE } else { ExitCode::SUCCESS }
+}
+
+/// Results on standard output, everything else on standard error.
+struct Output {
+    json: bool,
+    bar: ProgressBar,
+    failed: bool,
+}
+
+impl Output {
+    fn report(&mut self, image: &str, outcome: Result<&Record, &Error>) -> ControlFlow<()> {
+        self.failed |= outcome.is_err();
+        let written = self.bar.suspend(|| {
+            match outcome {
+                Ok(Record { note: Some(note), .. }) => complain(&format!("{image}: note: {note}")),
+                Ok(_) => {}
+                Err(error) => complain(&format!("{image}: {}", error.one_line())),
+            }
+            write_result(self.json, image, outcome)
+        });
+        self.bar.inc(1);
+        match written {
+            Ok(()) => ControlFlow::Continue(()),
+            // The reader has seen enough, as in `estimate ... | head -1`.
+            Err(error) if error.kind() == io::ErrorKind::BrokenPipe => ControlFlow::Break(()),
+            Err(error) => {
+                complain(&format!("the results cannot be written: {error}"));
+                self.failed = true;
+                ControlFlow::Break(())
+            }
+        }
+    }
+}
+
+fn write_result(json: bool, image: &str, outcome: Result<&Record, &Error>) -> io::Result<()> {
+    let mut out = io::stdout().lock();
+    if json {
+        record::write_json(&mut out, image, outcome)?;
+    } else if let Ok(record) = outcome {
+        writeln!(out, "{}", text::from_record(record))?;
+    }
+    out.flush()
+}
+
+fn complain(message: &str) {
+    // A closed standard error leaves nobody to tell.
+    let _ = writeln!(io::stderr(), "estimate: {message}");
+}
+
+fn progress_bar(pictures: usize) -> ProgressBar {
+    if pictures < 2 || !io::stderr().is_terminal() {
+        return ProgressBar::with_draw_target(None, ProgressDrawTarget::hidden());
+    }
+    let bar = ProgressBar::new(pictures as u64);
+    match ProgressStyle::with_template("{bar:40} {pos}/{len} pictures, {eta} left") {
+        Ok(style) => bar.with_style(style),
+        Err(_) => bar,
+    }
+}

@@ -1,0 +1,90 @@
+//! The command line itself: mistakes, help, the sample.
+
+mod common;
+
+use blur_cli::sample;
+use blur_core::estimate::registry;
+use common::*;
+
+#[test]
+fn mistakes_end_with_status_2_before_anything_is_measured() {
+    for arguments in [
+        "--exposure 100",
+        "--exposure 0s",
+        "--exposure -1ms",
+        "--exposure 100ms --exposure-u 1",
+        "--scale 0.7789",
+        "--scale 0mm/px",
+        "--scale-u 1mm/px",
+        "--roi 1,2,3",
+        "--roi 1,2,3,x",
+        "--range 80,10",
+        "--range 10",
+        "--window hamming",
+        "--linearize maybe",
+        "--jobs 0",
+        "--method nonsense",
+        "--angle nonsense",
+        "--length nonsense",
+        "--method dct-radon+autocorrelation --angle dct-radon",
+        "--method dct-radon+autocorrelation --length autocorrelation",
+        "--method dct-radon+autocorrelation --known-angle 0",
+        "--known-angle 0 --angle dct-radon",
+        "--known-angle north",
+        "--frobnicate",
+    ] {
+        let output = run(arguments.split(' '));
+        assert_eq!(output.status.code(), Some(2), "{arguments}: {output:?}");
+        assert_eq!(stdout(&output), "", "{arguments}");
+        assert!(!stderr(&output).is_empty(), "{arguments}");
+    }
+}
+
+#[test]
+fn a_number_without_unit_is_answered_with_the_units() {
+    assert!(stderr(&run(["--exposure", "100"])).contains("ms, us, s"));
+    assert!(stderr(&run(["--scale", "0.7"])).contains("mm/px"));
+}
+
+#[test]
+fn the_help_lists_every_method() {
+    let output = run(["--help"]);
+    assert_eq!(output.status.code(), Some(0));
+    let names = registry::ANGLE.iter().map(|m| m.name).chain(registry::LENGTH.iter().map(|m| m.name));
+    for name in names.chain(registry::JOINT.iter().map(|m| m.name)) {
+        assert!(stdout(&output).contains(name), "{name}");
+    }
+    assert!(stdout(&output).contains("Exit status"));
+}
+
+#[test]
+fn without_input_the_sample_is_measured_and_announced() {
+    let output = run(["--json"]);
+    assert_eq!(output.status.code(), Some(0));
+    let record: serde_json::Value = serde_json::from_str(stdout(&output)).unwrap();
+    assert_eq!((&record["width"], &record["height"]), (&512.into(), &512.into()));
+    assert_eq!(record["image"], sample::NAME);
+    assert!(stderr(&output).contains("sample") && stderr(&output).contains("30 deg and 24.5 px"));
+}
+
+#[test]
+fn the_methods_asked_for_are_the_methods_used() {
+    let folder = folder("methods");
+    let path = write(&folder, "a.png", &png(blurred(256, 256, 20, 1)));
+    let path = path.to_str().unwrap();
+    let (angle, length) = (registry::ANGLE.first().unwrap().name, registry::LENGTH.first().unwrap().name);
+    let pair = format!("{angle}+{length}");
+    for (arguments, expected) in [
+        (vec!["--angle", angle], pair.clone()),
+        (vec!["--length", length], pair.clone()),
+        (vec!["--method", &pair], pair.clone()),
+        (vec!["--known-angle", "0"], format!("known-angle+{length}")),
+    ] {
+        let (status, records) = run_json(arguments.iter().chain([&path]));
+        assert_eq!((status, &records[0]["method"]), (0, &expected.into()), "{arguments:?}");
+        assert_blur(&records[0], 0.0, 20.0);
+    }
+    // An axis is the same after a turn by 180 degrees.
+    let (_, records) = run_json(["--known-angle", "-180", path]);
+    assert_eq!(number(&records[0], "angle_deg"), 0.0);
+}
