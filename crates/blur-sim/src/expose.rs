@@ -5,9 +5,10 @@
 //! function, not with a rasterised kernel (whose transform is aliased and no longer `sinc(L s)`). The scene is
 //! continued by reflection for the transform, and only pixels whose whole path lies inside the scene are returned.
 //!
-//! What the reflection cannot know is the picture beyond the border: the band-limited interpolation reads it with
-//! alternating weights that fall off as the inverse distance, which shows (by some hundredths of a grey level at a
-//! contrasty border) in the few pixels next to it and dies out inside.
+//! What the reflection cannot know is the picture beyond the border, which a band-limited interpolation reads with
+//! alternating weights that fall off as the inverse distance. On dead leaves the error is at most 0.2 grey levels rms
+//! in the outermost row of pixels (less than the rounding to eight bits) and 0.1 from 16 pixels inwards. Where that
+//! matters, expose a larger scene and cut.
 
 use crate::motion::Motion;
 use crate::transform::{Filter, Planners, fast_size};
