@@ -27,13 +27,13 @@ fn tolerance() -> f64 {
 
 #[test]
 fn psnr_is_attained_with_the_rounding_on_top() {
-    for psnr_db in [20.0, 30.0, 36.0, 45.0, 60.0] {
+    for psnr_db in [20.0, 30.0, 36.0, 45.0] {
         let picture = Sensor::ideal().with_psnr_db(psnr_db).unwrap().record(grey(127.3).view(), 3).unwrap();
         let error = picture.mapv(f64::from) - 127.3;
         let mean_square = error.iter().map(|x| x * x).sum::<f64>() / error.len() as f64;
         // Rounding is uniform over a level, variance 1/12, once the noise spans some levels.
         let sigma2 = (255.0 * 10_f64.powf(-psnr_db / 20.0)).powi(2);
-        let truth = if sigma2 > 0.5 { sigma2 + 1.0 / 12.0 } else { continue };
+        let truth = sigma2 + 1.0 / 12.0;
         assert!((mean_square / truth - 1.0).abs() < tolerance(), "{psnr_db} dB: {mean_square} for {truth}");
     }
     let before = Sensor::ideal().with_psnr_db(50.0).unwrap().code_values(grey(10.0).view(), 3).unwrap();
