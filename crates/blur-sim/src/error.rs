@@ -1,0 +1,64 @@
+//! The one error type of the crate.
+
+use thiserror::Error;
+
+/// Shorthand for results of this crate.
+pub type Result<T> = std::result::Result<T, Error>;
+
+/// What can be wrong with a scene, a motion or a sensor. Every variant carries the offending numbers.
+#[derive(Debug, Clone, PartialEq, Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// A numeric parameter is out of its range.
+    #[error("{name} = {value} is not allowed: it must be {expected}")]
+    Parameter {
+        /// What the parameter is, with its unit.
+        name: &'static str,
+        /// The offending value.
+        value: f64,
+        /// What would be allowed.
+        expected: &'static str,
+    },
+    /// A picture of this size cannot be made or used.
+    #[error("a picture of {cols}x{rows} pixels is not allowed: each side must be {min}..={max}")]
+    Size {
+        /// Rows asked for or given.
+        rows: usize,
+        /// Columns asked for or given.
+        cols: usize,
+        /// Least number of rows and of columns.
+        min: usize,
+        /// Greatest number of rows and of columns.
+        max: usize,
+    },
+    /// A pixel is NaN or infinite.
+    #[error("the pixel at row {row}, column {col} is {value}; every pixel must be a finite number")]
+    NotFinite {
+        /// Row of the first such pixel.
+        row: usize,
+        /// Column of the first such pixel.
+        col: usize,
+        /// Its value.
+        value: f64,
+    },
+    /// The motion is as long as the scene: no pixel sees only the scene.
+    #[error("a blur of {length_px} px at {angle_deg} degrees leaves nothing of a scene of {cols}x{rows} pixels")]
+    BlurTooLong {
+        /// Length of the motion in pixels.
+        length_px: f64,
+        /// Its direction in degrees.
+        angle_deg: f64,
+        /// Rows of the scene.
+        rows: usize,
+        /// Columns of the scene.
+        cols: usize,
+    },
+    /// The Fourier transform of this size failed, although its buffers were made for it.
+    #[error("the Fourier transform of {cols}x{rows} samples failed")]
+    Transform {
+        /// Rows of the transform.
+        rows: usize,
+        /// Columns of the transform.
+        cols: usize,
+    },
+}
