@@ -10,4 +10,4 @@ pub use check::{MIN_SIDE, check};
 pub use crop::{Region, centre_square};
 pub use grey::{bt601_luma, linear_from_srgb};
 pub use rotate::Rotation;
-pub use window::Window;
+pub use window::{Taper, Window};
