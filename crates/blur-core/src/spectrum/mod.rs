@@ -1,1 +1,19 @@
-//! Placeholder.
+//! Spectra of pictures: DCT-II, DFT, and what is built on them.
+//!
+//! Each transform is a value that owns its plans and scratch for one picture size: build it once, reuse it per frame.
+//! Spectra are `f32`; their rounding error is below 1e-6 of the rms coefficient at the sizes in use.
+
+mod bins;
+mod cepstrum;
+mod collapse;
+mod dct;
+mod dft;
+mod level;
+mod noise;
+
+pub use bins::SpectrumBins;
+pub use cepstrum::{Cepstrum, LineCepstrum, Trough};
+pub use collapse::Collapsed;
+pub use dct::Dct2;
+pub use dft::Dft2;
+pub use level::Levelled;
