@@ -1,0 +1,204 @@
+//! Radon transform of a spectrum.
+
+use crate::spectrum::SpectrumBins;
+
+/// Projection of a spectrum onto one direction: sums over the lines `|s| = const`, with the number of bins in each.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Profile {
+    /// Sum of the values on each line.
+    pub sum: Vec<f32>,
+    /// Number of bins on each line.
+    pub weight: Vec<f32>,
+    step: f64,
+}
+
+impl Profile {
+    /// An empty profile of lines `step` cycles per pixel apart, up to the frequency `most`.
+    pub fn new(step: f64, most: f64) -> Self {
+        let lines = ((most / step).ceil() as usize).max(1) + 1;
+        Self { sum: vec![0.0; lines], weight: vec![0.0; lines], step }
+    }
+
+    /// A profile fit for `bins`: lines half a DFT bin apart.
+    pub fn fitting(bins: &SpectrumBins, rows: usize, columns: usize) -> Self {
+        Self::new(0.5 / rows.max(columns) as f64, bins.band.max)
+    }
+
+    /// Distance of the lines in cycles per pixel; line `i` holds the bins with `|s|` in `[i, i + 1) * step`.
+    pub fn step(&self) -> f64 {
+        self.step
+    }
+
+    /// Mean on line `i`, 0 where there is no bin.
+    pub fn mean(&self, i: usize) -> f32 {
+        if self.weight[i] > 0.0 { self.sum[i] / self.weight[i] } else { 0.0 }
+    }
+
+    fn clear(&mut self) {
+        self.sum.fill(0.0);
+        self.weight.fill(0.0);
+    }
+}
+
+/// The Radon transform of `bins` at one angle (thesis eq. 4.13): sums over the lines on which the frequency along a
+/// motion of that angle, `s = u cos(angle) - v sin(angle)`, is constant. `s` and `-s` are added, as the spectrum of a
+/// real picture is the same there. On these lines, perpendicular to the motion, a uniform blur is constant.
+///
+/// For the quadrant of a DCT the lines are those of one of the two directions `angle` and `180 - angle` that a DCT
+/// cannot tell apart.
+pub fn project(bins: &SpectrumBins, angle_rad: f64, profile: &mut Profile) {
+    profile.clear();
+    let (sin, cos) = (angle_rad.sin() as f32, angle_rad.cos() as f32);
+    let per_step = (1.0 / profile.step) as f32;
+    let (du, dv) = (bins.du * cos * per_step, sin * per_step);
+    let last = profile.sum.len() - 1;
+    for row in &bins.rows {
+        let offset = row.first_column as f32 * du - row.v * dv;
+        for (i, &value) in bins.values[row.start..row.start + row.length].iter().enumerate() {
+            let line = ((offset + i as f32 * du).abs() as usize).min(last);
+            profile.sum[line] += value;
+            profile.weight[line] += 1.0;
+        }
+    }
+}
+
+/// Means over blocks of neighbouring bins: a coarse copy of a spectrum for a quick first search over angles.
+#[derive(Debug, Clone)]
+pub struct Blocks {
+    side: usize,
+    /// Block of the first bin of each row of bins.
+    first: Vec<usize>,
+    u: Vec<f32>,
+    v: Vec<f32>,
+    count: Vec<f32>,
+    sum: Vec<f32>,
+}
+
+/// Blocks that a coarse copy has, at most about.
+const BLOCKS: f64 = 16_384.0;
+
+impl Blocks {
+    /// Blocks for the layout of `bins`, at most about 16 thousand.
+    pub fn new(bins: &SpectrumBins) -> Self {
+        let side = (bins.len() as f64 / BLOCKS).sqrt().ceil().max(1.0) as usize;
+        let width = bins.rows.iter().map(|row| (row.first_column + row.length) / side + 1).max().unwrap_or(0);
+        let first: Vec<usize> = (0..bins.rows.len()).map(|i| i / side * width).collect();
+        let blocks = first.last().map_or(0, |&last| last + width);
+        let mut new = Self {
+            side,
+            first,
+            u: vec![0.0; blocks],
+            v: vec![0.0; blocks],
+            count: vec![0.0; blocks],
+            sum: vec![0.0; blocks],
+        };
+        for (row, &first) in bins.rows.iter().zip(&new.first) {
+            for i in 0..row.length {
+                let block = first + (row.first_column + i) / side;
+                new.u[block] += (row.first_column + i) as f32 * bins.du;
+                new.v[block] += row.v;
+                new.count[block] += 1.0;
+            }
+        }
+        for ((u, v), count) in new.u.iter_mut().zip(&mut new.v).zip(&new.count) {
+            *u /= count.max(1.0);
+            *v /= count.max(1.0);
+        }
+        new
+    }
+
+    /// Takes over the values of `bins`, which must have the layout given to [`new`](Self::new).
+    pub fn set(&mut self, bins: &SpectrumBins) {
+        self.sum.fill(0.0);
+        for (row, &first) in bins.rows.iter().zip(&self.first) {
+            for (i, &value) in bins.values[row.start..row.start + row.length].iter().enumerate() {
+                self.sum[first + (row.first_column + i) / self.side] += value;
+            }
+        }
+    }
+
+    /// The Radon transform of the blocks, as [`project`].
+    pub fn project(&self, angle_rad: f64, profile: &mut Profile) {
+        profile.clear();
+        let per_step = 1.0 / profile.step;
+        let (sin, cos) = ((angle_rad.sin() * per_step) as f32, (angle_rad.cos() * per_step) as f32);
+        let last = profile.sum.len() - 1;
+        for (((u, v), &count), &sum) in self.u.iter().zip(&self.v).zip(&self.count).zip(&self.sum) {
+            let line = ((u * cos - v * sin).abs() as usize).min(last);
+            profile.sum[line] += sum;
+            profile.weight[line] += count;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::PI;
+
+    use super::*;
+    use crate::spectrum::Levelled;
+
+    /// Bins of the half plane with the values of `f(u, v)`.
+    fn bins_of(rows: usize, columns: usize, f: impl Fn(f32, f32) -> f32) -> SpectrumBins {
+        let mut bins = Levelled::for_dft(rows, columns).bins().clone();
+        bins.update(|u, v, _| f(u, v));
+        bins
+    }
+
+    #[test]
+    fn the_projection_of_a_gaussian_is_a_gaussian_at_every_angle() {
+        // Radon transform of exp(-(u^2 + v^2) / 2 sigma^2): sigma sqrt(2 pi) exp(-s^2 / 2 sigma^2).
+        let sigma = 0.07_f64;
+        let (rows, columns) = (301, 256);
+        let bins = bins_of(rows, columns, |u, v| (-0.5 * f64::from(u * u + v * v) / (sigma * sigma)).exp() as f32);
+        let step = 0.02;
+        for angle in [0.0, 17.0, 45.0, 90.0, 133.3_f64] {
+            let mut profile = Profile::new(step, 0.4);
+            project(&bins, angle.to_radians(), &mut profile);
+            for line in 1..10 {
+                let s = (line as f64 + 0.5) * step;
+                // Bins of area 1 / (rows columns), lines of width step; +s and -s together on the half plane are one
+                // whole line.
+                let found = f64::from(profile.sum[line]) / (rows * columns) as f64 / step;
+                let expected = sigma * (2.0 * PI).sqrt() * (-0.5 * s * s / (sigma * sigma)).exp();
+                assert!(
+                    (found - expected).abs() < 0.02 * sigma * (2.0 * PI).sqrt(),
+                    "{angle} {line}: {found} {expected}"
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn a_pattern_along_the_motion_is_sharp_only_at_its_angle() {
+        let angle = 27.0_f64.to_radians();
+        let pattern =
+            |u: f32, v: f32| (2.0 * PI * 20.0 * (f64::from(u) * angle.cos() - f64::from(v) * angle.sin())).cos() as f32;
+        let bins = bins_of(128, 200, pattern);
+        let contrast = |deg: f64| {
+            let mut profile = Profile::fitting(&bins, 128, 200);
+            project(&bins, deg.to_radians(), &mut profile);
+            (0..profile.sum.len()).map(|i| profile.mean(i) * profile.sum[i]).sum::<f32>() / bins.len() as f32
+        };
+        // The mean square of a cosine.
+        assert!((contrast(27.0) - 0.5).abs() < 0.05, "{}", contrast(27.0));
+        for deg in [17.0, 37.0, 117.0, 153.0] {
+            assert!(contrast(deg) < 0.1, "{deg}");
+        }
+    }
+
+    #[test]
+    fn blocks_keep_every_value() {
+        let bins = bins_of(400, 500, |u, v| 1.0 + u - 2.0 * v);
+        let mut blocks = Blocks::new(&bins);
+        assert!(blocks.side > 1);
+        blocks.set(&bins);
+        assert_eq!(blocks.count.iter().sum::<f32>(), bins.len() as f32);
+        let (mut fine, mut coarse) = (Profile::new(0.05, 0.4), Profile::new(0.05, 0.4));
+        project(&bins, 0.7, &mut fine);
+        blocks.project(0.7, &mut coarse);
+        for line in 0..8 {
+            assert!((fine.mean(line) - coarse.mean(line)).abs() < 0.05);
+        }
+    }
+}
