@@ -8,9 +8,11 @@
 //! later pictures of that size do not.
 
 pub mod angle;
+mod front;
 pub mod joint;
 pub mod length;
 mod pair;
+mod per_size;
 pub mod registry;
 mod settings;
 mod types;

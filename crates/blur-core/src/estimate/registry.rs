@@ -1,6 +1,6 @@
 //! The methods by their names. Command line, benches and tables iterate over these lists.
 
-use super::{AngleEstimator, JointEstimator, LengthEstimator, Settings};
+use super::{AngleEstimator, JointEstimator, LengthEstimator, Settings, angle, length};
 use crate::{Error, Result};
 
 /// One entry of a registry: a method that builds an estimator `E` (a boxed trait object).
@@ -21,10 +21,62 @@ impl<E> Method<E> {
 }
 
 /// Angle methods. The first is the default.
-pub const ANGLE: &[Method<Box<dyn AngleEstimator>>] = &[];
+pub const ANGLE: &[Method<Box<dyn AngleEstimator>>] = &[
+    Method {
+        name: "dct-radon",
+        summary: "dark lines of the DCT spectrum by the Radon transform",
+        build: |settings| Box::new(angle::DctRadon::new(settings)),
+    },
+    Method {
+        name: "dct-hough",
+        summary: "brightest line of the DCT spectrum by votes",
+        build: |settings| Box::new(angle::DctHough::new(settings)),
+    },
+    Method {
+        name: "dft-radon",
+        summary: "dark lines of the DFT spectrum by the Radon transform",
+        build: |settings| Box::new(angle::DftRadon::new(settings)),
+    },
+    Method {
+        name: "dft-hough",
+        summary: "brightest line of the DFT spectrum by votes",
+        build: |settings| Box::new(angle::DftHough::new(settings)),
+    },
+    Method {
+        name: "dft-cepstrum",
+        summary: "deepest trough of the two-dimensional cepstrum",
+        build: |settings| Box::new(angle::DftCepstrum::new(settings)),
+    },
+    Method {
+        name: "dft-gabor",
+        summary: "strongest Gabor filter on the DFT spectrum",
+        build: |settings| Box::new(angle::DftGabor::new(settings)),
+    },
+];
 
 /// Length methods. The first is the default.
-pub const LENGTH: &[Method<Box<dyn LengthEstimator>>] = &[];
+pub const LENGTH: &[Method<Box<dyn LengthEstimator>>] = &[
+    Method {
+        name: "dct-pseudo-cepstrum",
+        summary: "trough of the DCT of the collapsed log DCT spectrum",
+        build: |settings| Box::new(length::DctPseudoCepstrum::new(settings)),
+    },
+    Method {
+        name: "autocorrelation",
+        summary: "minimum of the autocorrelation of the derivative",
+        build: |settings| Box::new(length::Autocorrelation::new(settings)),
+    },
+    Method {
+        name: "dft-cepstrum",
+        summary: "trough of the cepstrum of the collapsed DFT spectrum",
+        build: |settings| Box::new(length::DftCepstrum::new(settings)),
+    },
+    Method {
+        name: "dft-radon",
+        summary: "dark lines of the Radon transform at the known angle",
+        build: |settings| Box::new(length::DftRadon::new(settings)),
+    },
+];
 
 /// Methods that fit angle and length together.
 pub const JOINT: &[Method<Box<dyn JointEstimator>>] = &[];

@@ -46,3 +46,40 @@ pub struct Settings {
     /// Lengths to search; `None`: from 4 px to what the picture's size allows.
     pub length_range: Option<LengthRange>,
 }
+
+/// Shortest length that the methods look for by themselves, in pixels: below it the first dark line leaves the band.
+const LEAST_LENGTH_PX: f64 = 4.0;
+/// Longest length that the methods look for by themselves, as a share of the picture's extent along the motion.
+const MOST_OF_EXTENT: f64 = 0.6;
+
+impl Settings {
+    /// The lengths to search in a picture that measures `extent_px` along the motion.
+    pub(crate) fn lengths_in(&self, extent_px: f64) -> LengthRange {
+        self.length_range.unwrap_or(LengthRange {
+            min_px: LEAST_LENGTH_PX,
+            // The smallest pictures allowed are 32 pixels wide, so this stays above the shortest length.
+            max_px: (MOST_OF_EXTENT * extent_px).max(2.0 * LEAST_LENGTH_PX),
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_range_is_refused_with_its_offending_end() {
+        assert!(LengthRange::new(1.0, 20.0).unwrap_err().to_string().contains("shortest length (px) = 1"));
+        assert!(LengthRange::new(10.0, 10.0).unwrap_err().to_string().contains("longest length (px) = 10"));
+        assert!(LengthRange::new(f64::NAN, 10.0).is_err());
+    }
+
+    #[test]
+    fn the_search_reaches_to_a_share_of_the_picture() {
+        let range = Settings::default().lengths_in(512.0);
+        assert!((range.max_px() - 307.2).abs() < 1e-9);
+        let own = LengthRange::new(5.0, 50.0).unwrap();
+        let settings = Settings { length_range: Some(own), ..Settings::default() };
+        assert_eq!(settings.lengths_in(512.0), own);
+    }
+}

@@ -48,13 +48,15 @@ impl AxialAngle {
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub enum Doubt {
-    /// The peak that gives the angle hardly stands out from the other directions.
-    WeakAnglePeak {
-        /// Height of the peak in robust standard deviations of the profile.
-        contrast: f64,
-        /// Least contrast of a trusted peak.
-        needed: f64,
+    /// Another direction explains the spectrum nearly as well as the one found.
+    RivalAngle {
+        /// Response of the best other direction relative to the one found.
+        share: f64,
+        /// Largest share at which an answer is trusted.
+        most: f64,
     },
+    /// No pattern of a blur was found at all.
+    NoPattern,
     /// The feature that gives the length hardly stands out from its surroundings.
     WeakLengthPeak {
         /// Height of the peak in robust standard deviations of its surroundings.
@@ -76,9 +78,13 @@ pub enum Doubt {
 impl fmt::Display for Doubt {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::WeakAnglePeak { contrast, needed } => {
-                write!(f, "weak angle peak: contrast {contrast:.1}, {needed:.1} needed")
+            Self::RivalAngle { share, most } => {
+                write!(
+                    f,
+                    "another direction is nearly as good: {share:.2} of the best response, at most {most:.2} allowed"
+                )
             }
+            Self::NoPattern => write!(f, "no pattern of a motion blur in the spectrum"),
             Self::WeakLengthPeak { contrast, needed } => {
                 write!(f, "weak length peak: contrast {contrast:.1}, {needed:.1} needed")
             }
