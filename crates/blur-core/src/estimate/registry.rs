@@ -1,10 +1,11 @@
 //! The methods by their names. Command line, benches and tables iterate over these lists.
 
+use std::fmt;
+
 use super::{AngleEstimator, JointEstimator, LengthEstimator, Settings, angle, length};
 use crate::{Error, Result};
 
 /// One entry of a registry: a method that builds an estimator `E` (a boxed trait object).
-#[derive(Debug)]
 pub struct Method<E> {
     /// Name on the command line, in JSON and in tables.
     pub name: &'static str,
@@ -17,6 +18,12 @@ impl<E> Method<E> {
     /// A new estimator of this method.
     pub fn build(&self, settings: &Settings) -> E {
         (self.build)(settings)
+    }
+}
+
+impl<E> fmt::Debug for Method<E> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Method").field("name", &self.name).finish_non_exhaustive()
     }
 }
 

@@ -31,8 +31,6 @@ pub struct SpectrumBins {
     pub(crate) values: Vec<f32>,
     pub(crate) du: f32,
     pub(crate) band: Band,
-    /// Bins per degree of freedom along one axis of the picture: the finer of the two frequency steps.
-    pub(crate) resolution: f64,
 }
 
 impl SpectrumBins {
@@ -41,7 +39,7 @@ impl SpectrumBins {
     pub(crate) fn quadrant(rows: usize, columns: usize, band: Band) -> Self {
         let (dv, du) = (0.5 / rows as f64, 0.5 / columns as f64);
         let sources = (0..rows).map(|m| (m, m as f64 * dv));
-        Self::collect(sources, columns, du, dv, band, |_| true)
+        Self::collect(sources, columns, du, band, |_| true)
     }
 
     /// Bins of the half plane `u >= 0` of the DFT of a picture of `rows` x `columns` pixels; of the axis `u = 0`, where
@@ -52,14 +50,13 @@ impl SpectrumBins {
             let signed = if 2 * j > rows { j as f64 - rows as f64 } else { j as f64 };
             (j, signed * dv)
         });
-        Self::collect(sources, columns / 2 + 1, du, dv, band, |v| v > 0.0)
+        Self::collect(sources, columns / 2 + 1, du, band, |v| v > 0.0)
     }
 
     fn collect(
         sources: impl Iterator<Item = (usize, f64)>,
         columns: usize,
         du: f64,
-        dv: f64,
         band: Band,
         keeps_axis: impl Fn(f64) -> bool,
     ) -> Self {
@@ -82,7 +79,7 @@ impl SpectrumBins {
                 start += length;
             }
         }
-        Self { rows, values: vec![0.0; start], du: du as f32, band, resolution: du.min(dv) }
+        Self { rows, values: vec![0.0; start], du: du as f32, band }
     }
 
     /// Number of bins.
