@@ -30,6 +30,11 @@ impl<E> fmt::Debug for Method<E> {
 /// Angle methods. The first is the default.
 pub const ANGLE: &[Method<Box<dyn AngleEstimator>>] = &[
     Method {
+        name: "dft-radon",
+        summary: "dark lines of the DFT spectrum by the Radon transform",
+        build: |settings| Box::new(angle::DftRadon::new(settings)),
+    },
+    Method {
         name: "dct-radon",
         summary: "dark lines of the DCT spectrum by the Radon transform",
         build: |settings| Box::new(angle::DctRadon::new(settings)),
@@ -38,11 +43,6 @@ pub const ANGLE: &[Method<Box<dyn AngleEstimator>>] = &[
         name: "dct-hough",
         summary: "brightest line of the DCT spectrum by votes",
         build: |settings| Box::new(angle::DctHough::new(settings)),
-    },
-    Method {
-        name: "dft-radon",
-        summary: "dark lines of the DFT spectrum by the Radon transform",
-        build: |settings| Box::new(angle::DftRadon::new(settings)),
     },
     Method {
         name: "dft-hough",

@@ -19,7 +19,7 @@ pub struct Region {
 
 impl Region {
     /// The part of `image` inside the region; an error when the region does not lie inside the picture.
-    pub fn of<'a>(self, image: ArrayView2<'a, f32>) -> Result<ArrayView2<'a, f32>> {
+    pub fn of(self, image: ArrayView2<'_, f32>) -> Result<ArrayView2<'_, f32>> {
         let (image_height, image_width) = image.dim();
         let Self { x, y, width, height } = self;
         let inside = |start: usize, length: usize, end: usize| {

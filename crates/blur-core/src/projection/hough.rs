@@ -102,7 +102,7 @@ mod tests {
         let (sin, cos) = (angle.sin() as f32, angle.cos() as f32);
         bins.update(|u, v, _| {
             let scramble = ((u * 9973.0 + v * 7919.0).sin() * 43_758.55).fract().abs();
-            if (u * cos - v * sin).abs() < 0.01 { 2.0 + scramble } else { scramble }
+            if (u * cos - v * sin).abs() < 0.02 { 2.0 + scramble } else { scramble }
         });
         let mut hough = Hough::new(&bins);
         hough.set(&bins);

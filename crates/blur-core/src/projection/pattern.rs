@@ -99,6 +99,14 @@ impl PatternBank {
     }
 }
 
+impl PatternBank {
+    /// The pattern of this length of the bank, one value per line of the profile; empty for a length not in the bank.
+    pub fn pattern(&self, length_px: f64) -> &[f32] {
+        let at = self.lengths_px.iter().position(|&length| length == length_px);
+        at.map_or(&[], |at| &self.patterns[at * self.lines..(at + 1) * self.lines])
+    }
+}
+
 /// Half the explained sum of squares of a pattern with free amplitude >= 0 over a constant.
 fn gain_of(pattern: &[f32], profile: &Profile, weight: f64, sum: f64) -> f64 {
     // Eight sums side by side: the compiler may not reorder floating-point additions by itself.
@@ -116,11 +124,12 @@ fn gain_of(pattern: &[f32], profile: &Profile, weight: f64, sum: f64) -> f64 {
             yt[i] += y[i] * t[i];
         }
     }
-    for i in whole..pattern.len() {
-        let weighted = profile.weight[i] * pattern[i];
+    let rest = pattern[whole..].iter().zip(&profile.weight[whole..]).zip(&profile.sum[whole..]);
+    for ((t, w), y) in rest {
+        let weighted = w * t;
         wt[0] += weighted;
-        wtt[0] += weighted * pattern[i];
-        yt[0] += profile.sum[i] * pattern[i];
+        wtt[0] += weighted * t;
+        yt[0] += y * t;
     }
     let total = |lanes: [f32; LANES]| lanes.iter().map(|&x| f64::from(x)).sum::<f64>();
     let (wt, wtt, yt) = (total(wt), total(wtt), total(yt));

@@ -101,6 +101,27 @@ impl SpectrumBins {
         }
     }
 
+    /// Number of the blocks of `side` x `side` bins that [`for_each_in_block`](Self::for_each_in_block) counts.
+    pub(crate) fn blocks_of(&self, side: usize) -> usize {
+        self.rows.len().div_ceil(side) * self.blocks_across(side)
+    }
+
+    fn blocks_across(&self, side: usize) -> usize {
+        self.rows.iter().map(|row| (row.first_column + row.length).div_ceil(side)).max().unwrap_or(0)
+    }
+
+    /// Calls `f(block, u, v, value)` for every bin, with the number of the block of `side` x `side` bins it lies in.
+    pub(crate) fn for_each_in_block(&self, side: usize, mut f: impl FnMut(usize, f32, f32, f32)) {
+        let across = self.blocks_across(side);
+        for (index, row) in self.rows.iter().enumerate() {
+            let first_block = index / side * across;
+            for (i, &value) in self.values[row.start..row.start + row.length].iter().enumerate() {
+                let column = row.first_column + i;
+                f(first_block + column / side, column as f32 * self.du, row.v, value);
+            }
+        }
+    }
+
     /// Replaces every value by `f(u, v, value)`.
     pub(crate) fn update(&mut self, mut f: impl FnMut(f32, f32, f32) -> f32) {
         for row in &self.rows {

@@ -98,7 +98,7 @@ pub struct Trough {
     pub lag_px: f64,
     /// Its depth in robust standard deviations of the cepstrum around 0.
     pub contrast: f64,
-    /// Standard uncertainty of the lag in pixels that the scatter of the cepstrum gives to first order.
+    /// Standard uncertainty of the lag in pixels, to first order from the scatter of the lags around it.
     pub std_px: f64,
 }
 
@@ -124,7 +124,7 @@ pub struct LineCepstrum {
     lag_step: f64,
 }
 
-const TREND_TERMS: usize = 4;
+const TREND_TERMS: i32 = 4;
 
 impl LineCepstrum {
     /// For log spectra sampled at `k * step` cycles per pixel; samples in `[least, most]` are used.
@@ -209,8 +209,28 @@ impl LineCepstrum {
             slope_power += (2.0 * PI * s * taper).powi(2);
         }
         let curvature_per_px2 = curvature / (self.lag_step * self.lag_step);
-        let std_px = if curvature > 0.0 { scatter * (slope_power / power).sqrt() / curvature_per_px2 } else { most_px };
+        let std_px = if curvature > 0.0 {
+            self.scatter_around(lag_px) * (slope_power / power).sqrt() / curvature_per_px2
+        } else {
+            most_px
+        };
         Some(Trough { lag_px, contrast: -at / scatter, std_px })
+    }
+}
+
+impl LineCepstrum {
+    /// Root mean square of the lags from half to nearly twice a trough's, without the trough: the picture's own
+    /// structure is stronger at short lags, so the scatter is read where the trough is.
+    fn scatter_around(&self, lag_px: f64) -> f64 {
+        let (mut squares, mut count) = (0.0, 0.0_f64);
+        for (i, value) in self.lags.iter().enumerate() {
+            let ratio = i as f64 * self.lag_step / lag_px;
+            if (0.5..1.8).contains(&ratio) && (ratio - 1.0).abs() > 0.15 {
+                squares += value * value;
+                count += 1.0;
+            }
+        }
+        (squares / count.max(1.0)).sqrt()
     }
 }
 
@@ -222,9 +242,9 @@ impl fmt::Debug for LineCepstrum {
 
 /// The powers 0 to 3 of `x`, made orthonormal over its samples; fewer when there are not samples enough.
 fn orthonormal_powers(x: &[f64]) -> Vec<Vec<f64>> {
-    let mut basis: Vec<Vec<f64>> = Vec::with_capacity(TREND_TERMS);
-    for power in 0..TREND_TERMS.min(x.len()) {
-        let mut vector: Vec<f64> = x.iter().map(|x| x.powi(power as i32)).collect();
+    let mut basis: Vec<Vec<f64>> = Vec::new();
+    for power in (0..TREND_TERMS).take(x.len()) {
+        let mut vector: Vec<f64> = x.iter().map(|x| x.powi(power)).collect();
         // Twice is enough for orthogonality to rounding.
         for _ in 0..2 {
             for earlier in &basis {
@@ -236,7 +256,9 @@ fn orthonormal_powers(x: &[f64]) -> Vec<Vec<f64>> {
         }
         let norm = vector.iter().map(|v| v * v).sum::<f64>().sqrt();
         if norm > 0.0 {
-            vector.iter_mut().for_each(|v| *v /= norm);
+            for value in &mut vector {
+                *value /= norm;
+            }
             basis.push(vector);
         }
     }
@@ -257,7 +279,9 @@ mod tests {
             let fast = cepstrum.of_half_plane(&bins).to_owned();
             for ((j, k), &value) in fast.indexed_iter() {
                 let mut sum = 0.0;
-                bins.for_each(|u, v, x| sum += 2.0 * x * (std::f32::consts::TAU * (u * k as f32 + v * j as f32)).cos());
+                bins.for_each(|u, v, x| {
+                    sum += 2.0 * x * (std::f32::consts::TAU * (u * k as f32 + v * j as f32)).cos();
+                });
                 let naive = sum / (rows * columns) as f32;
                 assert!((value - naive).abs() < 1e-5, "{rows}x{columns} [{j}, {k}]: {value} {naive}");
             }
@@ -271,7 +295,7 @@ mod tests {
             let step = 1.0 / 1024.0;
             let log_spectrum: Vec<f64> = (0..512)
                 .map(|k| {
-                    let s = (k as f64 * step).max(step);
+                    let s = (f64::from(k) * step).max(step);
                     let x = PI * length * s;
                     ((x.sin() / x).powi(2) + 1e-3).ln() - 2.0 * s.ln()
                 })
@@ -287,7 +311,7 @@ mod tests {
     #[test]
     fn the_line_cepstrum_is_the_naive_cosine_sum_of_the_detrended_samples() {
         let step = 0.01;
-        let log_spectrum: Vec<f64> = (0..50).map(|k| ((k * k * 31) % 17) as f64).collect();
+        let log_spectrum: Vec<f64> = (0..50).map(|k| f64::from((k * k * 31) % 17)).collect();
         let mut cepstrum = LineCepstrum::new(step, 0.02, 0.4);
         cepstrum.compute(&log_spectrum);
         // The residual is orthogonal to every cubic in ln s.

@@ -11,9 +11,14 @@ use rustdct::{DctPlanner, TransformType2And3};
 ///
 /// # Normalisation
 ///
-/// Orthonormal, as in thesis eq. 4.8: `G = 2/sqrt(M N) sum sum g C_m cos(pi (2 row + 1) m / 2M) C_n cos(pi (2 column +
-/// 1) n / 2N)` with `C_0 = 1/sqrt 2` and 1 otherwise. Coefficient `[m, n]` belongs to the frequencies `m / 2M` along
-/// rows and `n / 2N` along columns, in cycles per pixel.
+/// Orthonormal, as in thesis eq. 4.8:
+///
+/// ```text
+/// G[m, n] = 2 / sqrt(M N) sum sum g[row, column] C_m cos(pi (2 row + 1) m / 2M) C_n cos(pi (2 column + 1) n / 2N)
+/// ```
+///
+/// with `C_0 = 1 / sqrt 2` and 1 otherwise. Coefficient `[m, n]` belongs to the frequencies `m / 2M` along rows and
+/// `n / 2N` along columns, in cycles per pixel.
 pub struct Dct2 {
     along_row: Arc<dyn TransformType2And3<f32>>,
     along_column: Arc<dyn TransformType2And3<f32>>,

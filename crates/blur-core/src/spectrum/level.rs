@@ -21,6 +21,7 @@ use super::noise::{NoiseFloor, Powers};
 pub struct Levelled {
     bins: SpectrumBins,
     shape: (usize, usize),
+    scale: f64,
     ring_sum: Vec<f64>,
     ring_count: Vec<f64>,
     /// Inverse Gram matrix of the angular harmonics over the bins.
@@ -58,6 +59,7 @@ impl Levelled {
         Self {
             bins,
             shape: (rows, columns),
+            scale: 0.0,
             ring_sum: vec![0.0; rings],
             ring_count: vec![0.0; rings],
             gram_inverse: inverse(gram),
@@ -68,6 +70,11 @@ impl Levelled {
     /// The levelled values: mean near 0, variance near 1, within +-3.
     pub fn bins(&self) -> &SpectrumBins {
         &self.bins
+    }
+
+    /// Levelled values per unit of log power.
+    pub fn scale(&self) -> f64 {
+        self.scale
     }
 
     /// Levels the coefficients of [`Dct2`](super::Dct2), of the size given to [`for_dct`](Self::for_dct).
@@ -128,6 +135,7 @@ impl Levelled {
         });
         let std = (sum_of_squares / self.bins.len().max(1) as f64).sqrt() as f32;
         let scale = if std > 0.0 { 1.0 / std } else { 0.0 };
+        self.scale = f64::from(scale);
         for value in &mut self.bins.values {
             *value = (*value * scale).clamp(-LIMIT, LIMIT);
         }
@@ -184,26 +192,36 @@ mod tests {
 
     #[test]
     fn a_power_law_with_slow_anisotropy_is_levelled_away() {
-        // ln P = -2.2 ln f + 0.8 cos 2 phi + 0.3 sin 4 phi and nothing else: only the ring width remains.
+        // ln P = -2.2 ln f + 0.8 cos 2 phi + 0.3 sin 4 phi + noise of variance 1/3: the noise alone must remain.
+        let noise = |m: usize, n: usize| ((m * 7919 + n * 104_729) % 1009) as f32 / 1009.0 * 2.0 - 1.0;
         let mut levelled = Levelled::for_dct(256, 256);
         levelled.set_from_dct(
             Array2::from_shape_fn((256, 256), |(m, n)| {
-                let (u, v) = (n as f32 / 512.0, m as f32 / 512.0);
+                let (u, v) = (n as f32 / 512.0, (m as f32 / 512.0).max(1e-4));
                 let h = harmonics(u, v);
-                (-1.1 * u.hypot(v).max(1e-3).ln() + 0.4 * h[0] + 0.15 * h[3]).exp()
+                (-1.1 * u.hypot(v).ln() + 0.4 * h[0] + 0.15 * h[3] + 0.5 * noise(m, n)).exp()
             })
             .view(),
         );
-        // Levelling divides by the spread that remains, so look at neighbouring bins: no trend along a ring.
-        let (mut horizontal, mut vertical, mut count) = (0.0, 0.0, 0.0);
+        let (mut same, mut values, mut noises) = (0.0, 0.0, 0.0);
+        let (mut count, mut trends) = (0.0, [0.0_f32; HARMONICS]);
         levelled.bins().for_each(|u, v, value| {
-            if u.hypot(v) > 0.2 {
-                horizontal += value * harmonics(u, v)[0];
-                vertical += value * harmonics(u, v)[3];
-                count += 1.0;
+            let (m, n) = ((v * 512.0).round() as usize, (u * 512.0).round() as usize);
+            // Rings of a few bins lose much of their own noise with their mean.
+            if u.hypot(v) > 0.05 {
+                same += value * noise(m, n);
+                values += value * value;
+                noises += noise(m, n).powi(2);
+            }
+            count += 1.0;
+            for (trend, h) in trends.iter_mut().zip(harmonics(u, v)) {
+                *trend += h * value;
             }
         });
-        assert!((horizontal / count).abs() < 0.02 && (vertical / count).abs() < 0.02);
+        // Correlation with the noise that was put in; amplitude of what is left of the anisotropy.
+        let correlation = same / (values * noises).sqrt();
+        assert!(correlation > 0.8, "{correlation}");
+        assert!(trends.iter().all(|trend| (trend / count).abs() < 0.01), "{trends:?}");
     }
 
     #[test]
@@ -230,9 +248,9 @@ mod tests {
             row[i] = 1.0 + i as f64;
         }
         let b = inverse(a);
-        for i in 0..HARMONICS {
+        for (i, row) in a.iter().enumerate() {
             for j in 0..HARMONICS {
-                let product: f64 = (0..HARMONICS).map(|k| a[i][k] * b[k][j]).sum();
+                let product: f64 = row.iter().zip(&b).map(|(x, column)| x * column[j]).sum();
                 assert!((product - f64::from(u8::from(i == j))).abs() < 1e-12);
             }
         }

@@ -64,20 +64,19 @@ impl AngleEstimator for DctRadon {
         let plan = self.plan.get(image.dim(), |dim| {
             let (dct, dft) = (DctFront::new(settings.window, dim), DftFront::new(settings.window, dim));
             let range = settings.lengths_in(dim.0.max(dim.1) as f64);
-            let factor = dft.variance_factor();
             let bank = |profile: &_| PatternBank::dark_lines(profile, range.min_px(), range.max_px());
             Plan {
-                dct_search: RadonSearch::new(dct.levelled(), dim, factor, bank),
-                dft_search: RadonSearch::new(dft.levelled(), dim, factor, bank),
+                dct_search: RadonSearch::new(dct.levelled(), dim, bank),
+                dft_search: RadonSearch::new(dft.levelled(), dim, bank),
                 dct,
                 dft,
             }
         });
-        let Some(mut found) = plan.dct_search.find(plan.dct.set(image).bins(), 90.0) else {
+        let Some(mut found) = plan.dct_search.find(plan.dct.set(image), 90.0) else {
             return Ok(no_direction());
         };
-        let bins = plan.dft.set(image).bins();
-        if plan.dft_search.gain_at(bins, 180.0 - found.peak.deg) > plan.dft_search.gain_at(bins, found.peak.deg) {
+        let dft = plan.dft.set(image);
+        if plan.dft_search.gain_at(dft, 180.0 - found.peak.deg) > plan.dft_search.gain_at(dft, found.peak.deg) {
             found.peak.deg = 180.0 - found.peak.deg;
         }
         Ok(found.peak.estimate(Some(found.std_deg), MOST_RIVAL))

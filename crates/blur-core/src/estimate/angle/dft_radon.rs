@@ -19,8 +19,7 @@ use crate::{Result, image};
 ///
 /// # Uncertainty
 ///
-/// From the curvature of the match, read as the log likelihood of independent bins of unit variance, times the variance
-/// factor of the window. It knows nothing of the picture's own structure and is too small for clean pictures.
+/// The sandwich formula over blocks of bins around the best match. A wrong peak is not covered.
 ///
 /// # When it fails
 ///
@@ -54,12 +53,12 @@ impl AngleEstimator for DftRadon {
         let (front, search) = self.plan.get(image.dim(), |dim| {
             let front = DftFront::new(settings.window, dim);
             let range = settings.lengths_in(dim.0.max(dim.1) as f64);
-            let search = RadonSearch::new(front.levelled(), dim, front.variance_factor(), |profile| {
+            let search = RadonSearch::new(front.levelled(), dim, |profile| {
                 PatternBank::dark_lines(profile, range.min_px(), range.max_px())
             });
             (front, search)
         });
-        let found = search.find(front.set(image).bins(), 180.0);
+        let found = search.find(front.set(image), 180.0);
         Ok(found.map_or_else(no_direction, |found| found.peak.estimate(Some(found.std_deg), MOST_RIVAL)))
     }
 }

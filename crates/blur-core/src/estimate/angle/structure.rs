@@ -1,0 +1,68 @@
+//! What the spectra of sharp pictures may look like, as a contribution to the uncertainty.
+
+/// Sums of a score against the anisotropies that the spectra of sharp pictures show and that levelling does not take
+/// out.
+///
+/// Each is a function of the frequency whose amplitude in the log power varies from picture to picture with a known
+/// standard deviation: a Type B contribution (GUM 4.3). The standard deviations are those of sharp centre crops of
+/// twelve photographs and five textures.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Structure {
+    sums: [f64; TERMS],
+}
+
+const TERMS: usize = 10;
+
+/// Standard deviations of the amplitudes, in log power, of: `cos 6 phi, sin 6 phi, cos 8 phi, sin 8 phi`, then
+/// `x cos 2 phi, x sin 2 phi, x cos 4 phi, x sin 4 phi` with `x = ln(f / 0.1)`, then ridges of 3 degrees along the two
+/// axes, which horizontal and vertical edges draw.
+const STD: [f64; TERMS] = [0.14, 0.09, 0.13, 0.12, 0.23, 0.15, 0.21, 0.08, 1.03, 0.72];
+const RIDGE_RAD: f64 = 0.052_36;
+
+impl Structure {
+    /// Adds a bin's score.
+    pub(super) fn add(&mut self, u: f64, v: f64, score: f64) {
+        for (sum, term) in self.sums.iter_mut().zip(terms(u, v)) {
+            *sum += score * term;
+        }
+    }
+
+    /// Variance of the summed score over pictures.
+    pub(super) fn variance(&self) -> f64 {
+        self.sums.iter().zip(STD).map(|(sum, std)| (sum * std).powi(2)).sum()
+    }
+}
+
+fn terms(u: f64, v: f64) -> [f64; TERMS] {
+    let r2 = u * u + v * v;
+    // The direction with y up has -v.
+    let (c2, s2) = ((u * u - v * v) / r2, -2.0 * u * v / r2);
+    let (c4, s4) = (c2 * c2 - s2 * s2, 2.0 * c2 * s2);
+    let (c6, s6) = (c4 * c2 - s4 * s2, s4 * c2 + c4 * s2);
+    let (c8, s8) = (c4 * c4 - s4 * s4, 2.0 * c4 * s4);
+    let x = 0.5 * (r2 / 0.01).ln();
+    let ridge = |tangent: f64| (-0.5 * (tangent.atan() / RIDGE_RAD).powi(2)).exp();
+    let (along_u, along_v) = (ridge((v / u).abs()), ridge((u / v).abs()));
+    [c6, s6, c8, s8, x * c2, x * s2, x * c4, x * s4, along_u, along_v]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_harmonics_are_those_of_the_direction() {
+        for (u, v) in [(0.1, 0.0), (0.05, -0.2), (0.2, 0.07), (0.0, 0.3)] {
+            let phi = (-v as f64).atan2(u);
+            let x = (f64::hypot(u, v) / 0.1).ln();
+            let found = terms(u, v);
+            let expected = [(6.0 * phi).cos(), (6.0 * phi).sin(), (8.0 * phi).cos(), (8.0 * phi).sin()];
+            for (a, b) in found.iter().zip(expected) {
+                assert!((a - b).abs() < 1e-12);
+            }
+            assert!((found[6] - x * (4.0 * phi).cos()).abs() < 1e-12);
+            assert!(found.iter().all(|term| term.is_finite()));
+        }
+        assert!((terms(0.1, 0.0)[8] - 1.0).abs() < 1e-12 && terms(0.1, 0.0)[9] < 1e-12);
+    }
+}
