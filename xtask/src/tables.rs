@@ -1,0 +1,9 @@
+//! Accuracy tables.
+
+use crate::run::{self, Result};
+
+/// Runs the program that measures the accuracy of every method, with its own arguments.
+pub(crate) fn make(arguments: &[String]) -> Result<()> {
+    let mut command = run::cargo(["run", "--release", "-p", "e2e-tests", "--bin", "protocol-p", "--"]);
+    run::succeed(command.args(arguments))
+}
