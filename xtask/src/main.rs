@@ -21,7 +21,7 @@ Commands:
 
 Environment:
   BLUR_DATA          folder of real photographs [default: ../shared/data]
-  BLUR_REQUIRE_DATA  1: that folder must be there; no test may skip";
+  BLUR_REQUIRE_DATA  if set, that folder must be there: no test may skip";
 
 fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();

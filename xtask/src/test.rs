@@ -61,7 +61,7 @@ fn find_data() -> Result<Option<PathBuf>> {
     match folder.canonicalize() {
         Ok(folder) if folder.is_dir() => Ok(Some(folder)),
         _ if named.is_some() => Err(format!("{DATA} names {}, which is not a folder", folder.display())),
-        _ if env::var_os(REQUIRE_DATA).is_some_and(|value| value == "1") => {
+        _ if env::var_os(REQUIRE_DATA).is_some() => {
             Err(format!("{REQUIRE_DATA} is set and there is no folder {}", folder.display()))
         }
         _ => Ok(None),
