@@ -21,3 +21,8 @@ pub mod text;
 pub mod units;
 
 pub use error::{Error, Result};
+
+/// The example in the README compiles and runs.
+#[cfg(doctest)]
+#[doc = include_str!("../../../README.md")]
+struct Readme;

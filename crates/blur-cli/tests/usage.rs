@@ -65,6 +65,22 @@ fn without_input_the_sample_is_measured_and_announced() {
     assert_eq!((&record["width"], &record["height"]), (&512.into(), &512.into()));
     assert_eq!(record["image"], sample::NAME);
     assert!(stderr(&output).contains("sample") && stderr(&output).contains("30 deg and 24.5 px"));
+    assert_eq!(record["status"], "ok", "{record}");
+    assert!((number(&record, "angle_deg") - sample::ANGLE_DEG).abs() < 0.5, "{record}");
+    assert!((number(&record, "length_px") - sample::LENGTH_PX).abs() < 0.5, "{record}");
+}
+
+#[test]
+fn the_sample_is_the_picture_and_the_truth_of_the_simulation() {
+    assert_eq!(sample::ANGLE_DEG, blur_sim::sample::ANGLE_DEG);
+    assert_eq!(sample::LENGTH_PX, blur_sim::sample::LENGTH_PX);
+    let decoded = image::load_from_memory_with_format(sample::PNG, image::ImageFormat::Png).unwrap();
+    let decoded = decoded.as_luma8().expect("eight bits, grey");
+    let made = blur_sim::sample::sample_picture().unwrap();
+    assert_eq!((decoded.height() as usize, decoded.width() as usize), made.dim());
+    // Not assert_eq on the pixels: a failure would print them all. `cargo xtask goldens` remakes the file.
+    let differing = decoded.pixels().zip(&made).filter(|(stored, made)| stored.0[0] != **made).count();
+    assert_eq!(differing, 0, "pixels of fixtures/sample.png differ from the simulation");
 }
 
 #[test]

@@ -11,9 +11,11 @@
 //! matters, expose a larger scene and cut.
 
 use crate::motion::Motion;
+use crate::tabulated::Tabulated;
 use crate::transform::{Filter, Planners, fast_size};
 use crate::{Error, Result, check};
 use ndarray::{Array2, ArrayView2};
+use std::fmt;
 
 /// Pixels of pure reflection beyond the reach of the blur.
 const GUARD_PX: usize = 16;
@@ -39,6 +41,13 @@ pub struct Exposer {
     planners: Planners,
     filter: Option<Filter>,
     buffer: Vec<f64>,
+}
+
+impl fmt::Debug for Exposer {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let planned = self.filter.as_ref().map(Filter::size);
+        f.debug_struct("Exposer").field("planned_for", &planned).finish_non_exhaustive()
+    }
 }
 
 impl Default for Exposer {
@@ -139,8 +148,9 @@ impl Exposer {
     fn blur_buffer(&mut self, (rows, cols): (usize, usize), motion: &Motion) -> Result<()> {
         let kept = self.filter.take().filter(|filter| filter.size() == (rows, cols));
         let filter = self.filter.insert(kept.unwrap_or_else(|| Filter::new(&mut self.planners, rows, cols)));
-        let transfer = motion.transfer_function();
         let (x, y) = motion.direction();
+        // The corners of the spectrum are at half a cycle per pixel each way.
+        let transfer = Tabulated::new(motion, 0.5 * (x.abs() + y.abs()), rows * (cols / 2 + 1));
         filter.apply(&mut self.buffer, |u, v| transfer.at(u * x + v * y))
     }
 

@@ -19,12 +19,12 @@
 mod check;
 mod error;
 pub mod expose;
-mod fresnel;
 pub mod motion;
 pub mod rng;
 pub mod sample;
 pub mod scene;
 pub mod sensor;
+mod tabulated;
 mod transform;
 
 pub use error::{Error, Result};

@@ -2,18 +2,13 @@
 
 use crate::Result;
 use crate::check;
-use crate::fresnel::FresnelTail;
 use blur_core::estimate::AxialAngle;
+use blur_core::psf::{AcceleratedBlur, sinc};
 use rustfft::num_complex::Complex;
 use std::f64::consts::PI;
 
 /// Longest motion in pixels.
 const MAX_LENGTH_PX: f64 = 1e6;
-
-/// Below this product of cycles and acceleration the transfer function is its expansion to first order in the
-/// acceleration: what is left out is less than `(2 pi 1e-6)^2 / 60 < 1e-12`, and the Fresnel form would divide by
-/// nearly nothing.
-const FIRST_ORDER_BELOW: f64 = 1e-6;
 
 /// A straight motion with constant acceleration, seen by one exposure.
 ///
@@ -28,6 +23,8 @@ pub struct Motion {
     length_px: f64,
     angle: AxialAngle,
     accel_ratio: f64,
+    /// Over a path of length 1 with the acceleration's magnitude; `None` at constant speed.
+    speeding: Option<AcceleratedBlur>,
 }
 
 impl Motion {
@@ -38,7 +35,10 @@ impl Motion {
     pub fn new(length_px: f64, angle: AxialAngle, accel_ratio: f64) -> Result<Self> {
         check::range("length in px", length_px, 0.0, MAX_LENGTH_PX, "0 to 1e6")?;
         check::range("acceleration ratio", accel_ratio, -1.0, 1.0, "-1 to 1")?;
-        Ok(Self { length_px, angle, accel_ratio })
+        let ratio = accel_ratio.abs();
+        // Ratios in range are never refused.
+        let speeding = if ratio > 0.0 { AcceleratedBlur::new(1.0, ratio).ok() } else { None };
+        Ok(Self { length_px, angle, accel_ratio, speeding })
     }
 
     /// A motion at constant speed.
@@ -93,9 +93,15 @@ impl Motion {
     /// nothing. With acceleration the magnitude at the first zero `s = 1/L` is `|r| / pi` to first order in `r`.
     /// `H(-s)` and the `H` of `-r` are the complex conjugate of `H(s)`.
     ///
-    /// *Reference*: the integral over a quadratic phase is a difference of Fresnel integrals (NIST DLMF 7.2(iii)).
+    /// It is [`AcceleratedBlur::transfer`] of [`blur_core::psf`] with the path centred.
     pub fn transfer(&self, s: f64) -> Complex<f64> {
-        self.transfer_function().at(s)
+        let cycles = self.length_px * s;
+        let forward = match self.speeding {
+            None => Complex::new(sinc(cycles), 0.0),
+            Some(blur) => half_turn(cycles.abs()) * blur.transfer(cycles.abs()),
+        };
+        // Turning the frequency and turning the acceleration each conjugate.
+        if (cycles < 0.0) == (self.accel_ratio < 0.0) { forward } else { forward.conj() }
     }
 
     /// The frequency along the motion `s = u cos(angle) - v sin(angle)` for `u` along columns and `v` along rows
@@ -104,53 +110,11 @@ impl Motion {
         let (x, y) = self.direction();
         u * x + v * y
     }
-
-    /// The transfer function with its constants computed once.
-    pub(crate) fn transfer_function(&self) -> TransferFunction {
-        TransferFunction { length_px: self.length_px, accel_ratio: self.accel_ratio, tail: FresnelTail::new() }
-    }
 }
 
-/// [`Motion::transfer`] for many frequencies.
-pub(crate) struct TransferFunction {
-    length_px: f64,
-    accel_ratio: f64,
-    tail: FresnelTail,
-}
-
-impl TransferFunction {
-    pub(crate) fn at(&self, s: f64) -> Complex<f64> {
-        let cycles = self.length_px * s;
-        let forward = self.at_positive(cycles.abs());
-        // Turning the frequency and turning the acceleration each conjugate.
-        if (cycles < 0.0) == (self.accel_ratio < 0.0) { forward } else { forward.conj() }
-    }
-
-    /// For `cycles = L s >= 0` and the magnitude of the acceleration.
-    fn at_positive(&self, cycles: f64) -> Complex<f64> {
-        let r = self.accel_ratio.abs();
-        if cycles * r < FIRST_ORDER_BELOW {
-            return first_order(cycles, r);
-        }
-        // With the square completed the phase is y^2 up to a constant, y = scale (t + (1 - r) / (2 r)). At the ends of
-        // the path y^2 differs from the centred phase by that constant only, so the tails carry -+ pi cycles.
-        let scale = (2.0 * PI * cycles * r).sqrt();
-        let (start, end) = ((1.0 - r) / (2.0 * r) * scale, (1.0 + r) / (2.0 * r) * scale);
-        let (sin, cos) = libm::sincos(PI * cycles);
-        let turn = Complex::new(cos, sin);
-        (turn * self.tail.at(start) - turn.conj() * self.tail.at(end)) / scale
-    }
-}
-
-/// `sinc(c) - 2 pi i c r M(c)`, where `M` is the transform of `t^2 - t` about the middle of the path.
-fn first_order(cycles: f64, r: f64) -> Complex<f64> {
-    let b = PI * cycles;
-    if b < 1e-2 {
-        let square = b * b;
-        let sinc = if b < 1e-4 { 1.0 - square / 6.0 } else { libm::sin(b) / b };
-        return Complex::new(sinc, 2.0 * b * r * (1.0 / 6.0 - square / 60.0));
-    }
-    let (sin, cos) = libm::sincos(b);
-    let sinc = sin / b;
-    Complex::new(sinc, -r * (cos - sinc) / b)
+/// `exp(i pi cycles)`: moves the origin from the beginning of the path to its middle.
+fn half_turn(cycles: f64) -> Complex<f64> {
+    // Whole turns are taken off while that is exact.
+    let (sin, cos) = libm::sincos(PI * (cycles - 2.0 * (0.5 * cycles).round()));
+    Complex::new(cos, sin)
 }

@@ -1,0 +1,91 @@
+//! Times the methods of the registry; see the documentation of the crate for how to read the result.
+
+use std::error::Error;
+use std::path::{Path, PathBuf};
+use std::time::{Duration, SystemTime};
+
+use blur_benches::{ANGLE_DEG, FFT, Id, Timing, blurred_picture, median_ns, table};
+use blur_core::Result;
+use blur_core::estimate::{AxialAngle, JointEstimator, Pair, Settings, registry};
+use blur_core::spectrum::Dft2;
+use criterion::{BenchmarkId, Criterion};
+use ndarray::ArrayView2;
+
+const SIDES: [usize; 3] = [256, 512, 1024];
+
+fn main() -> std::result::Result<(), Box<dyn Error>> {
+    let started = SystemTime::now();
+    let folder = output_folder();
+    let mut criterion = Criterion::default()
+        .output_directory(&folder)
+        .sample_size(20)
+        .warm_up_time(Duration::from_millis(500))
+        .measurement_time(Duration::from_millis(1500))
+        .configure_from_args();
+    let mut ids = Vec::new();
+    for side in SIDES {
+        let picture = blurred_picture(side)?;
+        ids.extend(time_all(&mut criterion, picture.view())?);
+    }
+    criterion.final_summary();
+
+    let timings: Vec<Timing> =
+        ids.into_iter().filter_map(|id| median_ns(&folder, &id, started).map(|ns| Timing { id, ns })).collect();
+    if !timings.is_empty() {
+        println!("Median time of one picture, and how many 2-D FFTs of it fit into that\n\n{}", table(&timings));
+    }
+    Ok(())
+}
+
+/// `criterion` in the folder where cargo builds.
+fn output_folder() -> PathBuf {
+    let tmp = Path::new(env!("CARGO_TARGET_TMPDIR"));
+    tmp.parent().unwrap_or(tmp).join("criterion")
+}
+
+fn time_all(criterion: &mut Criterion, picture: ArrayView2<'_, f32>) -> Result<Vec<Id>> {
+    let settings = Settings::default();
+    let mut bench = Bench { criterion, side: picture.ncols(), ids: Vec::new() };
+    let (rows, columns) = picture.dim();
+    let mut dft = Dft2::new(rows, columns);
+    bench.time(FFT, "real-2d", || {
+        dft.input().assign(&picture);
+        Ok(dft.transform()[[0, 0]].re)
+    })?;
+    for method in registry::ANGLE {
+        let mut estimator = method.build(&settings);
+        bench.time("angle", method.name, || estimator.estimate(picture))?;
+    }
+    let angle = AxialAngle::from_deg(ANGLE_DEG);
+    for method in registry::LENGTH {
+        let mut estimator = method.build(&settings);
+        bench.time("length", method.name, || estimator.estimate(picture, angle))?;
+    }
+    if let (Some(angle), Some(length)) = (registry::ANGLE.first(), registry::LENGTH.first()) {
+        let mut pair = Pair::new(angle.build(&settings), length.build(&settings));
+        bench.time("pair", &format!("{}+{}", angle.name, length.name), || pair.estimate(picture))?;
+    }
+    for method in registry::JOINT {
+        let mut estimator = method.build(&settings);
+        bench.time("joint", method.name, || estimator.estimate(picture))?;
+    }
+    Ok(bench.ids)
+}
+
+struct Bench<'a> {
+    criterion: &'a mut Criterion,
+    side: usize,
+    ids: Vec<Id>,
+}
+
+impl Bench<'_> {
+    /// Times `work` on one picture after running it once, so that a method that fails ends the run.
+    fn time<O>(&mut self, kind: &'static str, method: &str, mut work: impl FnMut() -> Result<O>) -> Result<()> {
+        work()?;
+        let mut group = self.criterion.benchmark_group(kind);
+        group.bench_function(BenchmarkId::new(method, self.side), |bencher| bencher.iter(&mut work));
+        group.finish();
+        self.ids.push(Id { kind, method: method.to_owned(), side: self.side });
+        Ok(())
+    }
+}

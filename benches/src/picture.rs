@@ -1,0 +1,28 @@
+//! What the methods are timed on.
+
+use blur_core::estimate::AxialAngle;
+use blur_sim::expose::expose;
+use blur_sim::motion::Motion;
+use blur_sim::scene::{DeadLeaves, dead_leaves};
+use blur_sim::sensor::{Sensor, f32_from_u8};
+use ndarray::Array2;
+
+/// Direction of the motion in degrees.
+pub const ANGLE_DEG: f64 = 30.0;
+/// Length of the blur in pixels.
+pub const LENGTH_PX: f64 = 24.5;
+const PSNR_DB: f64 = 36.0;
+const SEED: u64 = 1;
+
+/// A blurred 8-bit picture of `side` x `side` pixels.
+///
+/// # Errors
+/// [`blur_sim::Error::Size`] for a side of 0 or beyond what the simulation makes.
+pub fn blurred_picture(side: usize) -> blur_sim::Result<Array2<f32>> {
+    let motion = Motion::uniform(LENGTH_PX, AxialAngle::from_deg(ANGLE_DEG))?;
+    let (rows, columns) = motion.extent_px();
+    let scene = dead_leaves(SEED, side + rows, side + columns, &DeadLeaves::default())?;
+    let exposure = expose(scene.view(), &motion)?;
+    let picture = Sensor::ideal().with_psnr_db(PSNR_DB)?.record(exposure.view(), SEED)?;
+    Ok(f32_from_u8(picture.view()))
+}

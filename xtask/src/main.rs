@@ -1,0 +1,54 @@
+//! `cargo xtask`: the chores of this workspace.
+
+mod goldens;
+mod run;
+mod tables;
+mod test;
+
+use std::process::ExitCode;
+
+const USAGE: &str = "\
+The chores of this workspace.
+
+Usage: cargo xtask COMMAND
+
+Commands:
+  test               run every test and check that the fixtures can be remade
+  goldens            remake the fixtures and the picture of the README
+  tables [ARGS]...   measure the accuracy of the methods (release build);
+                     ARGS go to the program protocol-p, see 'tables --help'
+  help               print this text
+
+Environment:
+  BLUR_DATA          folder of real photographs [default: ../shared/data]
+  BLUR_REQUIRE_DATA  if set, that folder must be there: no test may skip";
+
+fn main() -> ExitCode {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let Some((command, rest)) = arguments.split_first() else {
+        return usage_error("a command is missing");
+    };
+    let outcome = match (command.as_str(), rest) {
+        ("tables", rest) => tables::make(rest),
+        ("help" | "-h" | "--help", _) => {
+            println!("{USAGE}");
+            Ok(())
+        }
+        ("test" | "goldens", [unexpected, ..]) => return usage_error(&format!("'{unexpected}' is not expected here")),
+        ("test", []) => test::all(),
+        ("goldens", []) => goldens::make(),
+        (unknown, _) => return usage_error(&format!("'{unknown}' is not a command")),
+    };
+    match outcome {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("xtask: {error}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn usage_error(message: &str) -> ExitCode {
+    eprintln!("xtask: {message}\n\n{USAGE}");
+    ExitCode::from(2)
+}

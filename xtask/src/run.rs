@@ -1,0 +1,41 @@
+//! Programs that the chores start.
+
+use std::env;
+use std::path::PathBuf;
+use std::process::Command;
+
+/// What stopped a chore, as told to the caller.
+pub(crate) type Result<T> = std::result::Result<T, String>;
+
+/// The root of the workspace.
+pub(crate) fn root() -> PathBuf {
+    let member = PathBuf::from(env!("CARGO_MANIFEST_DIR"));
+    member.parent().map_or_else(|| member.clone(), PathBuf::from)
+}
+
+/// Where cargo builds.
+pub(crate) fn target() -> PathBuf {
+    env::var_os("CARGO_TARGET_DIR").map_or_else(|| root().join("target"), |folder| root().join(folder))
+}
+
+/// The cargo that runs this program, started from the root of the workspace.
+pub(crate) fn cargo<'a>(arguments: impl IntoIterator<Item = &'a str>) -> Command {
+    let mut command = Command::new(env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
+    command.args(arguments).current_dir(root());
+    command
+}
+
+/// The command as one would type it.
+pub(crate) fn shown(command: &Command) -> String {
+    let program = PathBuf::from(command.get_program());
+    let name = program.file_stem().unwrap_or(command.get_program()).to_string_lossy().into_owned();
+    let arguments = command.get_args().map(|argument| argument.to_string_lossy().into_owned());
+    std::iter::once(name).chain(arguments).collect::<Vec<_>>().join(" ")
+}
+
+/// Runs `command` to its end and asks for its success.
+pub(crate) fn succeed(command: &mut Command) -> Result<()> {
+    let shown = shown(command);
+    let status = command.status().map_err(|error| format!("'{shown}' cannot be started: {error}"))?;
+    if status.success() { Ok(()) } else { Err(format!("'{shown}' failed ({status})")) }
+}

@@ -1,0 +1,167 @@
+//! Everything that tests the project.
+
+use std::env;
+use std::io::{BufRead, BufReader};
+use std::ops::AddAssign;
+use std::path::PathBuf;
+use std::process::{Command, Stdio};
+use std::time::{Duration, Instant};
+
+use crate::goldens;
+use crate::run::{self, Result};
+
+const DATA: &str = "BLUR_DATA";
+const REQUIRE_DATA: &str = "BLUR_REQUIRE_DATA";
+/// Where the data are when nobody says where, from the root of the workspace.
+const USUAL_DATA: &str = "../shared/data";
+
+/// Runs every test and prints a summary; the error says how many steps failed.
+pub(crate) fn all() -> Result<()> {
+    let data = find_data()?;
+    match &data {
+        Some(folder) => println!("data: {}", folder.display()),
+        None => println!("data: {}", without_data()),
+    }
+    let mut workspace = run::cargo(["test", "--workspace", "--no-fail-fast"]);
+    let mut protocol = run::cargo(["test", "-p", "e2e-tests", "--tests", "--no-fail-fast", "--", "--ignored"]);
+    for command in [&mut workspace, &mut protocol] {
+        if let Some(folder) = &data {
+            command.env(DATA, folder);
+        }
+    }
+    let steps = [
+        Step::run("tests and examples in the documentation", || count(&mut workspace)),
+        Step::run("protocol tests, which a plain 'cargo test' leaves out", || count(&mut protocol)),
+        Step::run("the sample can be remade byte by byte", || goldens::check_sample().map(|()| Counts::default())),
+    ];
+    println!("\nSummary");
+    for step in &steps {
+        step.print();
+    }
+    if data.is_none() {
+        println!("  skipped: {}", without_data());
+    }
+    match steps.iter().filter(|step| step.outcome.is_err()).count() {
+        0 => Ok(()),
+        failed => Err(format!("{failed} of {} steps failed", steps.len())),
+    }
+}
+
+fn without_data() -> String {
+    format!(
+        "no real photographs at {USUAL_DATA}, so the tests in tests/ that measure them skip and pass; {DATA} says where \
+         they are"
+    )
+}
+
+/// The folder of real photographs as an absolute path, since each test runs in the folder of its own package.
+fn find_data() -> Result<Option<PathBuf>> {
+    let named = env::var_os(DATA);
+    let folder = run::root().join(named.as_deref().unwrap_or(USUAL_DATA.as_ref()));
+    match folder.canonicalize() {
+        Ok(folder) if folder.is_dir() => Ok(Some(folder)),
+        _ if named.is_some() => Err(format!("{DATA} names {}, which is not a folder", folder.display())),
+        _ if env::var_os(REQUIRE_DATA).is_some() => {
+            Err(format!("{REQUIRE_DATA} is set and there is no folder {}", folder.display()))
+        }
+        _ => Ok(None),
+    }
+}
+
+/// Numbers of tests.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+struct Counts {
+    passed: u32,
+    failed: u32,
+    ignored: u32,
+}
+
+impl AddAssign for Counts {
+    fn add_assign(&mut self, other: Self) {
+        self.passed += other.passed;
+        self.failed += other.failed;
+        self.ignored += other.ignored;
+    }
+}
+
+impl Counts {
+    /// The counts of a line `test result: ok. 3 passed; 0 failed; 1 ignored; ...`, if it is one.
+    fn from_line(line: &str) -> Option<Self> {
+        let (_, counts) = line.strip_prefix("test result: ")?.split_once(". ")?;
+        let count = |what: &str| {
+            let field = counts.split("; ").find_map(|field| field.strip_suffix(what))?;
+            field.trim().parse().ok()
+        };
+        Some(Self { passed: count("passed")?, failed: count("failed")?, ignored: count("ignored")? })
+    }
+}
+
+/// Runs tests, shows what they print and counts them. The error holds what failed.
+fn count(command: &mut Command) -> Result<Counts> {
+    let shown = run::shown(command);
+    let mut child =
+        command.stdout(Stdio::piped()).spawn().map_err(|error| format!("'{shown}' cannot be started: {error}"))?;
+    let mut counts = Counts::default();
+    for line in child.stdout.take().into_iter().flat_map(|stdout| BufReader::new(stdout).split(b'\n')) {
+        let line = line.map_err(|error| format!("'{shown}' cannot be read: {error}"))?;
+        let line = String::from_utf8_lossy(&line);
+        println!("{line}");
+        if let Some(more) = Counts::from_line(&line) {
+            counts += more;
+        }
+    }
+    let status = child.wait().map_err(|error| format!("'{shown}' is lost: {error}"))?;
+    if status.success() {
+        Ok(counts)
+    } else {
+        Err(format!("'{shown}': {} passed, {} failed ({status})", counts.passed, counts.failed))
+    }
+}
+
+/// One part of the tests, done.
+struct Step {
+    name: &'static str,
+    outcome: Result<Counts>,
+    took: Duration,
+}
+
+impl Step {
+    fn run(name: &'static str, work: impl FnOnce() -> Result<Counts>) -> Self {
+        println!("\n=== {name}");
+        let start = Instant::now();
+        let outcome = work();
+        Self { name, outcome, took: start.elapsed() }
+    }
+
+    fn print(&self) {
+        let Self { name, took, .. } = self;
+        let seconds = took.as_secs();
+        match &self.outcome {
+            Ok(Counts { passed: 0, .. }) => println!("  ok      {name}, {seconds} s"),
+            Ok(Counts { passed, ignored: 0, .. }) => println!("  ok      {name}: {passed} passed, {seconds} s"),
+            Ok(Counts { passed, ignored, .. }) => {
+                println!("  ok      {name}: {passed} passed, {ignored} left out, {seconds} s");
+            }
+            Err(error) => println!("  FAILED  {name}, {seconds} s: {error}"),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn results_are_counted_from_the_lines_of_the_test_harness() {
+        let line = "test result: FAILED. 12 passed; 2 failed; 1 ignored; 0 measured; 3 filtered out; finished in 0.52s";
+        assert_eq!(Counts::from_line(line), Some(Counts { passed: 12, failed: 2, ignored: 1 }));
+        assert_eq!(Counts::from_line("test result_of_a_test ... ok"), None);
+        assert_eq!(Counts::from_line("running 3 tests"), None);
+    }
+
+    #[test]
+    fn a_command_that_fails_is_an_error() {
+        assert!(count(&mut run::cargo(["no-such-command"])).is_err());
+        assert!(count(&mut run::cargo(["--version"])).is_ok());
+    }
+}
