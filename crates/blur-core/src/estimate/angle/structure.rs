@@ -52,8 +52,8 @@ mod tests {
 
     #[test]
     fn the_harmonics_are_those_of_the_direction() {
-        for (u, v) in [(0.1, 0.0), (0.05, -0.2), (0.2, 0.07), (0.0, 0.3)] {
-            let phi = (-v as f64).atan2(u);
+        for (u, v) in [(0.1_f64, 0.0_f64), (0.05, -0.2), (0.2, 0.07), (0.0, 0.3)] {
+            let phi = (-v).atan2(u);
             let x = (f64::hypot(u, v) / 0.1).ln();
             let found = terms(u, v);
             let expected = [(6.0 * phi).cos(), (6.0 * phi).sin(), (8.0 * phi).cos(), (8.0 * phi).sin()];

@@ -10,12 +10,12 @@ use crate::estimate::{AxialAngle, LengthEstimate, LengthEstimator, Settings};
 use crate::spectrum::Dct2;
 use crate::{Result, image};
 
-/// `dct-pseudo-cepstrum`: the lag of the deepest trough of the DCT of the collapsed log DCT spectrum (thesis algorithm
+/// `dct-pseudo-cepstrum`: the lag of the most striking trough of the DCT of the collapsed log DCT spectrum (thesis algorithm
 /// 4.2).
 ///
 /// The picture is turned so that the motion lies along its rows, transformed, and the log power averaged over the
 /// frequencies across the motion, weighted by how much signal they hold. The zeros of `sinc(L s)` repeat every `1/L`,
-/// so the DCT of what is left after a cubic in `ln s` has its deepest trough at `L`; a parabola places it between lags.
+/// so the DCT of what is left after a cubic in `ln s` has a trough at `L`; the one that is deepest for the scatter around it is taken; a parabola places it between lags.
 ///
 /// The second logarithm of the thesis's step 6 is left out: it takes logs of numbers near zero and of both signs.
 ///

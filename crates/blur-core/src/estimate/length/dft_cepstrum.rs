@@ -11,7 +11,7 @@ use crate::image::{Taper, Window};
 use crate::spectrum::Dft2;
 use crate::{Result, image};
 
-/// `dft-cepstrum`: the lag of the deepest trough of the cepstrum of the collapsed log DFT spectrum.
+/// `dft-cepstrum`: the lag of the most striking trough of the cepstrum of the collapsed log DFT spectrum.
 ///
 /// As [`DctPseudoCepstrum`](super::DctPseudoCepstrum) with a DFT, which needs a taper where the DCT's even extension
 /// has none.
