@@ -42,11 +42,12 @@ fn moved(seed: u64, (rows, columns): (usize, usize), steps: usize, (down, right)
 }
 
 /// Blurred pictures of several sizes and directions, for promises about pictures that can be measured.
+/// The second has the rows of the first, the third its columns.
 fn blurred() -> [Array2<f32>; 4] {
     [
         moved(1, (64, 64), 9, (0, 1)),
         moved(2, (64, 96), 11, (1, 0)),
-        moved(3, (81, 67), 7, (1, 1)),
+        moved(3, (81, 64), 7, (1, 1)),
         moved(4, (72, 101), 8, (1, 2)),
     ]
 }
