@@ -263,6 +263,13 @@ fn every_content_at_every_scale_gets_finite_answers() {
 }
 
 #[test]
+fn a_window_whose_share_is_no_number_gets_finite_answers() {
+    let mut settings = Settings::default();
+    settings.window = Some(Window::Tukey { taper: f64::NAN });
+    assert_answers(moved(1, (64, 64), 9, (0, 1)).view(), &settings);
+}
+
+#[test]
 fn long_strips_get_finite_answers() {
     for dim in [(32, 700), (700, 32), (33, 509)] {
         assert_answers(moved(6, dim, 6, (1, 1)).view(), &Settings::default());
