@@ -1,0 +1,133 @@
+//! After the first picture of a size, measuring allocates nothing.
+#![allow(clippy::unwrap_used, reason = "a picture that cannot be made or measured fails the test")]
+
+use allocation_counter::measure;
+use blur_core::estimate::registry::{ANGLE, LENGTH};
+use blur_core::estimate::{AxialAngle, JointEstimator, KnownAngle, Pair, Settings};
+use blur_sim::expose::expose_padded;
+use blur_sim::motion::Motion;
+use blur_sim::rng::Rng;
+use blur_sim::scene::{DeadLeaves, dead_leaves};
+use ndarray::Array2;
+
+/// Square, rectangular both ways, odd, prime, and one large enough for every subsampling.
+const SIZES: [(usize, usize); 6] = [(96, 96), (64, 100), (100, 64), (75, 93), (101, 67), (300, 411)];
+
+/// Degrees on both sides of every border between the plans of a method: rows, columns, diagonals, turned or not.
+const ANGLES_DEG: [f64; 9] = [0.0, 0.3, 44.9, 45.0, 60.0, 90.0, 134.9, 135.0, 179.9];
+
+/// Pictures of one size that differ in everything that a search could depend on: blurs of several directions, noise
+/// alone, one bright pixel, stripes.
+fn pictures(dim: (usize, usize)) -> Vec<Array2<f32>> {
+    let scene = dead_leaves(7, dim.0, dim.1, &DeadLeaves::default()).unwrap();
+    let mut pictures: Vec<_> = [(0.0, 12.0), (37.0, 15.0), (90.0, 20.0), (140.0, 9.0)]
+        .into_iter()
+        .map(|(deg, length_px)| {
+            let motion = Motion::uniform(length_px, AxialAngle::from_deg(deg)).unwrap();
+            expose_padded(scene.view(), &motion).unwrap().mapv(|pixel| pixel as f32)
+        })
+        .collect();
+    let mut rng = Rng::new(5, 0);
+    pictures.push(Array2::from_shape_simple_fn(dim, || rng.gaussian() as f32));
+    let mut bright = Array2::zeros(dim);
+    bright[[dim.0 / 2, dim.1 / 3]] = 1.0;
+    pictures.push(bright);
+    pictures.push(Array2::from_shape_fn(dim, |(r, _)| (r % 5) as f32));
+    pictures
+}
+
+/// Allocations of one call.
+fn allocations<T>(call: impl FnOnce() -> T) -> (T, u64) {
+    let mut result = None;
+    let info = measure(|| result = Some(call()));
+    (result.unwrap(), info.count_total)
+}
+
+#[test]
+fn the_counter_counts() {
+    let (vector, count) = allocations(|| std::hint::black_box(vec![1_u8; 100]));
+    assert_eq!((vector.len(), count), (100, 1));
+    let (_, count) = allocations(|| std::hint::black_box(3) + 4);
+    assert_eq!(count, 0);
+    // A method must allocate its plans at first, or the counts below would prove nothing.
+    let picture = &pictures((96, 96))[0];
+    let mut estimator = ANGLE[0].build(&Settings::default());
+    assert!(allocations(|| estimator.estimate(picture.view()).unwrap()).1 > 0);
+}
+
+#[test]
+fn angle_methods_allocate_only_for_the_first_picture_of_a_size() {
+    for dim in SIZES {
+        let pictures = pictures(dim);
+        for method in ANGLE {
+            let mut estimator = method.build(&Settings::default());
+            estimator.estimate(pictures[0].view()).unwrap();
+            for (i, picture) in pictures.iter().enumerate() {
+                let (found, count) = allocations(|| estimator.estimate(picture.view()));
+                found.unwrap();
+                assert_eq!(count, 0, "{} {dim:?} picture {i}", method.name);
+            }
+        }
+    }
+}
+
+#[test]
+fn length_methods_allocate_only_for_the_first_picture_of_a_size_whatever_the_angle() {
+    for dim in SIZES {
+        let pictures = pictures(dim);
+        for method in LENGTH {
+            for first_deg in [0.0, 90.0] {
+                let mut estimator = method.build(&Settings::default());
+                estimator.estimate(pictures[0].view(), AxialAngle::from_deg(first_deg)).unwrap();
+                for (i, picture) in pictures.iter().enumerate() {
+                    for deg in ANGLES_DEG {
+                        let (found, count) =
+                            allocations(|| estimator.estimate(picture.view(), AxialAngle::from_deg(deg)));
+                        found.unwrap();
+                        assert_eq!(count, 0, "{} {dim:?} picture {i} at {deg} after {first_deg}", method.name);
+                    }
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn pairs_allocate_only_for_the_first_picture_of_a_size() {
+    let settings = Settings::default();
+    for dim in SIZES {
+        let pictures = pictures(dim);
+        for angle in ANGLE {
+            for length in LENGTH {
+                let mut pair = Pair::new(angle.build(&settings), length.build(&settings));
+                pair.estimate(pictures[0].view()).unwrap();
+                for (i, picture) in pictures.iter().enumerate() {
+                    let (found, count) = allocations(|| pair.estimate(picture.view()));
+                    found.unwrap();
+                    assert_eq!(count, 0, "{} + {} {dim:?} picture {i}", angle.name, length.name);
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn a_known_angle_allocates_nothing_at_all() {
+    let mut pair = Pair::new(Box::new(KnownAngle(AxialAngle::from_deg(30.0))), LENGTH[0].build(&Settings::default()));
+    let pictures = pictures((75, 93));
+    pair.estimate(pictures[0].view()).unwrap();
+    for picture in &pictures {
+        let (found, count) = allocations(|| pair.estimate(picture.view()));
+        found.unwrap();
+        assert_eq!(count, 0);
+    }
+}
+
+#[test]
+fn a_refused_picture_allocates_nothing() {
+    let picture = Array2::from_elem((64, 64), 1.0_f32);
+    let mut estimator = ANGLE[0].build(&Settings::default());
+    let (found, count) = allocations(|| estimator.estimate(picture.view()));
+    found.unwrap_err();
+    assert_eq!(count, 0);
+}

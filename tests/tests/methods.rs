@@ -1,0 +1,269 @@
+//! Every registered method on dead leaves of known blur.
+#![allow(clippy::unwrap_used, reason = "a picture that cannot be made or measured fails the test")]
+
+use std::sync::LazyLock;
+
+use blur_core::estimate::registry::{self, ANGLE, LENGTH};
+use blur_core::estimate::{AxialAngle, JointEstimator, Pair, Settings};
+use blur_sim::expose::expose;
+use blur_sim::motion::Motion;
+use blur_sim::scene::{DeadLeaves, dead_leaves};
+use blur_sim::sensor::{Sensor, f32_from_u8};
+use ndarray::{Array2, ArrayView2, Axis};
+
+/// Square, lying, standing, odd with a prime.
+const SIZES: [(usize, usize); 4] = [(256, 256), (200, 300), (300, 200), (251, 241)];
+/// All quadrants, both axes, both diagonals, the seam at 180.
+const ANGLES_DEG: [f64; 11] = [0.0, 17.3, 30.0, 45.0, 68.6, 90.0, 112.4, 135.0, 151.9, 170.0, 179.7];
+const LENGTHS_PX: [f64; 2] = [21.3, 34.8];
+
+/// A picture and its truth.
+struct Shot {
+    image: Array2<f32>,
+    deg: f64,
+    length_px: f64,
+}
+
+/// Eight-bit picture of `dim` rows and columns, blurred exactly and cut to what the exposure covers.
+fn shot(sensor: Sensor, seed: u64, (rows, columns): (usize, usize), deg: f64, length_px: f64) -> Shot {
+    let motion = Motion::uniform(length_px, AxialAngle::from_deg(deg)).unwrap();
+    let (lost_rows, lost_columns) = motion.extent_px();
+    let scene = dead_leaves(seed, rows + lost_rows, columns + lost_columns, &DeadLeaves::default()).unwrap();
+    let exposure = expose(scene.view(), &motion).unwrap();
+    let image = f32_from_u8(sensor.record(exposure.view(), seed).unwrap().view());
+    assert_eq!(image.dim(), (rows, columns));
+    Shot { image, deg, length_px }
+}
+
+/// Every size at every angle and length, each of another scene, without noise.
+static SHOTS: LazyLock<Vec<Shot>> = LazyLock::new(|| {
+    let mut shots = Vec::new();
+    for dim in SIZES {
+        for deg in ANGLES_DEG {
+            for length_px in LENGTHS_PX {
+                shots.push(shot(Sensor::ideal(), 1 + shots.len() as u64, dim, deg, length_px));
+            }
+        }
+    }
+    shots
+});
+
+/// Measures the direction of every shot and fails with the list of those that miss by more than `most_deg`.
+fn assert_directions(method: &str, most_deg: f64) {
+    let mut estimator = registry::angle(method).unwrap().build(&Settings::default());
+    let mut misses = Vec::new();
+    for Shot { image, deg, length_px } in SHOTS.iter() {
+        let found = estimator.estimate(image.view()).unwrap();
+        let miss = found.angle.minus_deg(AxialAngle::from_deg(*deg));
+        if miss.abs() > most_deg {
+            misses.push(format!("{:?} {deg} deg {length_px} px: {miss:+.2} deg {:?}", image.dim(), found.status));
+        }
+    }
+    assert!(misses.is_empty(), "{method} misses by more than {most_deg} deg:\n{}", misses.join("\n"));
+}
+
+/// As [`assert_directions`] for the length along the true direction; the bound is `most_px(length)`.
+fn assert_lengths(method: &str, most_px: impl Fn(f64) -> f64) {
+    let mut estimator = registry::length(method).unwrap().build(&Settings::default());
+    let mut misses = Vec::new();
+    for Shot { image, deg, length_px } in SHOTS.iter() {
+        let found = estimator.estimate(image.view(), AxialAngle::from_deg(*deg)).unwrap();
+        let miss = found.length_px - length_px;
+        if miss.abs() > most_px(*length_px) {
+            misses.push(format!("{:?} {deg} deg {length_px} px: {miss:+.2} px {:?}", image.dim(), found.status));
+        }
+    }
+    assert!(misses.is_empty(), "{method} misses:\n{}", misses.join("\n"));
+}
+
+// A direction wrong by 1 degree moves the end of the longer blur by 0.6 pixels: clean pictures allow no more. The
+// methods that place a peak between directions or lags reach a third of that.
+
+#[test]
+fn dft_radon_finds_every_direction() {
+    assert_directions("dft-radon", 0.33);
+}
+
+#[test]
+fn dft_cepstrum_finds_every_direction() {
+    assert_directions("dft-cepstrum", 0.33);
+}
+
+#[test]
+fn dft_gabor_finds_every_direction() {
+    assert_directions("dft-gabor", 1.0);
+}
+
+#[test]
+fn dft_hough_finds_every_direction() {
+    assert_directions("dft-hough", 1.0);
+}
+
+#[test]
+fn dct_radon_finds_every_direction() {
+    // The quadrant of a DCT holds the mirror image too; near the axes the two ridges overlap.
+    assert_directions("dct-radon", 2.0);
+}
+
+#[test]
+fn dct_hough_finds_every_direction() {
+    // As dct-radon.
+    assert_directions("dct-hough", 2.0);
+}
+
+#[test]
+fn the_cepstra_find_every_length() {
+    // One lag of the quarter-pixel grid that both are read from.
+    assert_lengths("dct-pseudo-cepstrum", |_| 0.25);
+    assert_lengths("dft-cepstrum", |_| 0.25);
+}
+
+#[test]
+fn autocorrelation_finds_every_length_of_clean_pictures() {
+    // Half a lag of its grid of whole pixels.
+    assert_lengths("autocorrelation", |_| 0.5);
+}
+
+#[test]
+fn dft_radon_finds_every_length() {
+    // Half the distance of two lengths of its bank, whose ratio is 1.08.
+    assert_lengths("dft-radon", |length_px| 0.04 * length_px);
+}
+
+#[test]
+fn every_method_has_a_bound_here() {
+    // A new method must be added above.
+    let angles: Vec<_> = ANGLE.iter().map(|method| method.name).collect();
+    assert_eq!(angles, ["dct-radon", "dct-hough", "dft-radon", "dft-hough", "dft-cepstrum", "dft-gabor"]);
+    let lengths: Vec<_> = LENGTH.iter().map(|method| method.name).collect();
+    assert_eq!(lengths, ["dct-pseudo-cepstrum", "autocorrelation", "dft-cepstrum", "dft-radon"]);
+}
+
+/// The picture in a mirror that exchanges left and right: a motion at `angle` is then one at `180 - angle`.
+fn mirrored(image: &Array2<f32>) -> ArrayView2<'_, f32> {
+    let mut view = image.view();
+    view.invert_axis(Axis(1));
+    view
+}
+
+/// The picture turned counter-clockwise by 90 degrees.
+fn turned(image: &Array2<f32>) -> ArrayView2<'_, f32> {
+    let mut view = image.t();
+    view.invert_axis(Axis(0));
+    view
+}
+
+/// Half a step of the coarsest grid of directions, that of the Hough votes.
+const SYMMETRY_DEG: f64 = 0.5;
+
+#[test]
+fn the_turned_picture_is_turned_counter_clockwise() {
+    // The top right corner goes to the top left.
+    let picture = Array2::from_shape_fn((3, 4), |(r, c)| (10 * r + c) as f32);
+    assert_eq!(turned(&picture)[[0, 0]], 3.0);
+    assert_eq!(turned(&picture).dim(), (4, 3));
+}
+
+#[test]
+fn a_mirror_turns_the_direction_into_its_complement_to_180() {
+    for method in ANGLE {
+        let mut estimator = method.build(&Settings::default());
+        for Shot { image, deg, .. } in SHOTS.iter() {
+            let here = estimator.estimate(image.view()).unwrap().angle;
+            let there = estimator.estimate(mirrored(image)).unwrap().angle;
+            let expected = AxialAngle::from_deg(180.0 - here.deg());
+            let miss = there.distance_deg(expected);
+            assert!(miss < SYMMETRY_DEG, "{} {deg} {:?}: {here:?} {there:?}", method.name, image.dim());
+        }
+    }
+}
+
+#[test]
+fn a_mirror_keeps_the_length() {
+    for method in LENGTH {
+        let mut estimator = method.build(&Settings::default());
+        for Shot { image, deg, .. } in SHOTS.iter() {
+            let here = estimator.estimate(image.view(), AxialAngle::from_deg(*deg)).unwrap().length_px;
+            let there = estimator.estimate(mirrored(image), AxialAngle::from_deg(180.0 - deg)).unwrap().length_px;
+            // Half a lag of the autocorrelation; at 45 degrees the mirror image is turned onto another canvas.
+            assert!((here - there).abs() < 0.5, "{} {deg} {:?}: {here} {there}", method.name, image.dim());
+        }
+    }
+}
+
+#[test]
+fn directions_turn_with_the_picture() {
+    for method in ANGLE {
+        let mut estimator = method.build(&Settings::default());
+        for Shot { image, deg, .. } in SHOTS.iter() {
+            let here = estimator.estimate(image.view()).unwrap().angle;
+            let there = estimator.estimate(turned(image)).unwrap().angle;
+            let miss = there.distance_deg(AxialAngle::from_deg(here.deg() + 90.0));
+            assert!(miss < SYMMETRY_DEG, "{} {deg} {:?}: {here:?} {there:?}", method.name, image.dim());
+        }
+    }
+}
+
+#[test]
+fn lengths_stay_when_the_picture_turns() {
+    for method in LENGTH {
+        let mut estimator = method.build(&Settings::default());
+        for Shot { image, deg, .. } in SHOTS.iter() {
+            let here = estimator.estimate(image.view(), AxialAngle::from_deg(*deg)).unwrap().length_px;
+            let there = estimator.estimate(turned(image), AxialAngle::from_deg(deg + 90.0)).unwrap().length_px;
+            assert!((here - there).abs() < 0.1, "{} {deg} {:?}: {here} {there}", method.name, image.dim());
+        }
+    }
+}
+
+#[test]
+fn a_pair_finds_direction_and_length() {
+    let settings = Settings::default();
+    for angle in ANGLE {
+        for length in LENGTH {
+            let mut pair = Pair::new(angle.build(&settings), length.build(&settings));
+            // 7 and the numbers of sizes, angles and lengths have no common factor: every one of each is met.
+            for Shot { image, deg, length_px } in SHOTS.iter().step_by(7) {
+                let found = pair.estimate(image.view()).unwrap();
+                let names = format!("{} + {} {:?} {deg} {length_px}", angle.name, length.name, image.dim());
+                assert!(found.angle.distance_deg(AxialAngle::from_deg(*deg)) < 2.0, "{names}: {found:?}");
+                // 4 % is the step of the coarsest method, see above.
+                assert!((found.length_px - length_px).abs() < 0.04 * length_px, "{names}: {found:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_pair_says_what_its_methods_say_one_after_the_other() {
+    let settings = Settings::default();
+    for Shot { image, .. } in SHOTS.iter().step_by(9) {
+        let angle = ANGLE[0].build(&settings).estimate(image.view()).unwrap();
+        let length = LENGTH[0].build(&settings).estimate(image.view(), angle.angle).unwrap();
+        let found = Pair::new(ANGLE[0].build(&settings), LENGTH[0].build(&settings)).estimate(image.view()).unwrap();
+        assert_eq!((found.angle, found.angle_std_deg), (angle.angle, angle.std_deg));
+        assert_eq!((found.length_px, found.length_std_px), (length.length_px, length.std_px));
+        assert_eq!(found.status, angle.status.worse(length.status));
+    }
+}
+
+#[test]
+fn noise_never_costs_more_than_the_answer() {
+    // From fair to hopeless, 5 dB being noise of more than half of the grey scale.
+    for (seed, psnr_db) in [(501, 36.0), (502, 20.0), (503, 5.0)] {
+        for deg in [0.0, 63.0, 90.0, 121.0] {
+            let sensor = Sensor::ideal().with_psnr_db(psnr_db).unwrap();
+            let Shot { image, .. } = shot(sensor, seed, (201, 160), deg, 25.0);
+            for method in ANGLE {
+                let found = method.build(&Settings::default()).estimate(image.view()).unwrap();
+                assert!((0.0..180.0).contains(&found.angle.deg()), "{} {psnr_db} dB: {found:?}", method.name);
+            }
+            for method in LENGTH {
+                let mut estimator = method.build(&Settings::default());
+                let found = estimator.estimate(image.view(), AxialAngle::from_deg(deg)).unwrap();
+                // No longer than the picture's diagonal.
+                assert!((2.0..257.0).contains(&found.length_px), "{} {psnr_db} dB: {found:?}", method.name);
+            }
+        }
+    }
+}

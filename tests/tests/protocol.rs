@@ -1,0 +1,97 @@
+//! The two methods of the thesis on its own protocol, against the means that it publishes, and on real photographs.
+//!
+//! The pictures are not part of the project; without them these tests say that they skipped.
+//! With them they take three minutes of one processor.
+#![allow(clippy::unwrap_used, reason = "a picture that cannot be read or measured fails the test")]
+
+use std::path::Path;
+
+use blur_cli::picture::{self, Linearize};
+use blur_core::estimate::registry::{ANGLE, LENGTH};
+use blur_core::estimate::{AxialAngle, JointEstimator, MotionBlur, Pair, Settings, Status};
+use e2e_tests::protocol::{LEVELS, Outcome, Plan};
+use e2e_tests::{data, protocol};
+
+const CLEAN: [usize; 1] = [0];
+const NOISY: [usize; 3] = [1, 2, 3];
+
+/// The full plan for one angle and one length method.
+fn plan() -> Plan {
+    let mut plan = Plan::full();
+    plan.angle_methods.retain(|method| method.name == "dct-radon");
+    plan.length_methods.retain(|method| method.name == "dct-pseudo-cepstrum");
+    plan
+}
+
+fn mean_error(outcomes: &[Outcome], method: &str, levels: &[usize], expected: usize) -> f64 {
+    let errors = protocol::errors(outcomes, method, levels);
+    assert_eq!(errors.len(), expected, "{method}: some pictures are missing");
+    errors.iter().sum::<f64>() / errors.len() as f64
+}
+
+#[test]
+fn the_levels_are_clean_36_28_and_20_db() {
+    assert_eq!(LEVELS, [None, Some(36.0), Some(28.0), Some(20.0)]);
+}
+
+#[test]
+fn dct_radon_is_at_least_as_good_as_the_thesis_says() {
+    let Some(folder) = data::folder() else { return };
+    let (plan, pictures) = (plan(), data::sharp_pictures(&folder).unwrap());
+    let shots = plan.angles_deg.len() * pictures.len();
+    let outcomes = protocol::run_angles(&plan, &pictures).unwrap();
+    let clean = mean_error(&outcomes, "dct-radon", &CLEAN, shots);
+    let noisy = mean_error(&outcomes, "dct-radon", &NOISY, 3 * shots);
+    println!("dct-radon: clean {clean:.3} deg, noisy {noisy:.3} deg");
+    // Thesis tables 4.1 and 4.2.
+    assert!(clean <= 0.66, "{clean}");
+    assert!(noisy <= 1.70, "{noisy}");
+}
+
+#[test]
+fn dct_pseudo_cepstrum_is_at_least_as_good_as_the_thesis_says() {
+    let Some(folder) = data::folder() else { return };
+    let (plan, pictures) = (plan(), data::sharp_pictures(&folder).unwrap());
+    let shots = plan.lengths_px.len() * pictures.len();
+    let outcomes = protocol::run_lengths(&plan, &pictures).unwrap();
+    let clean = mean_error(&outcomes, "dct-pseudo-cepstrum", &CLEAN, shots);
+    let noisy = mean_error(&outcomes, "dct-pseudo-cepstrum", &NOISY, 3 * shots);
+    println!("dct-pseudo-cepstrum: clean {clean:.3} px, noisy {noisy:.3} px");
+    // Thesis tables 4.4 and 4.5.
+    assert!(clean <= 0.99, "{clean}");
+    assert!(noisy <= 7.78, "{noisy}");
+}
+
+/// The default methods on a real photograph.
+fn photograph(folder: &Path, name: &str) -> MotionBlur {
+    let picture = picture::read(&folder.join("real_photos").join(name), Linearize::Auto).unwrap();
+    let settings = Settings::default();
+    let mut pair = Pair::new(ANGLE[0].build(&settings), LENGTH[0].build(&settings));
+    let found = pair.estimate(picture.luma.view()).unwrap();
+    println!("{name}: {found:?}");
+    found
+}
+
+#[test]
+fn moved_text_is_measured_as_a_person_measures_it() {
+    let Some(folder) = data::folder() else { return };
+    // OpenCV's sample sets 86 degrees (y down) and 31 pixels by hand.
+    let found = photograph(&folder, "text_motion.jpg");
+    assert!(found.angle.distance_deg(AxialAngle::from_deg(94.0)) < 2.0, "{found:?}");
+    assert!((found.length_px - 31.0).abs() < 2.0, "{found:?}");
+}
+
+#[test]
+fn the_direction_of_a_moved_clock_is_horizontal() {
+    let Some(folder) = data::folder() else { return };
+    // The axes of the ellipse that the round face became lie at 0 to 3 degrees.
+    let found = photograph(&folder, "clock_motion.png");
+    assert!(found.angle.distance_deg(AxialAngle::from_deg(1.5)) < 1.5 + 5.0, "{found:?}");
+}
+
+#[test]
+fn text_out_of_focus_is_not_called_moved() {
+    let Some(folder) = data::folder() else { return };
+    let found = photograph(&folder, "text_defocus.jpg");
+    assert_ne!(found.status, Status::Ok, "{found:?}");
+}
