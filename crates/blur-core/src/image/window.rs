@@ -19,7 +19,8 @@ pub enum Window {
     Hann,
     /// Flat in the middle with raised-cosine ends.
     Tukey {
-        /// Share of the length that is tapered, both ends together, in `[0, 1]`; 1 is Hann. Values outside are clamped.
+        /// Share of the length that is tapered, both ends together, in `[0, 1]`; 1 is Hann. Values outside are
+        /// clamped, NaN counts as 0.
         taper: f64,
     },
 }
@@ -30,6 +31,7 @@ impl Window {
         let taper = match self {
             Self::None => return 1.0,
             Self::Hann => 1.0,
+            Self::Tukey { taper } if taper.is_nan() => return 1.0,
             Self::Tukey { taper } => taper.clamp(0.0, 1.0),
         };
         let t = (i as f64 + 1.0) / (n as f64 + 1.0);

@@ -21,7 +21,7 @@ pub(crate) struct BinRow {
     pub(crate) v: f32,
 }
 
-/// Values on the bins of a spectrum inside a [`Band`]: the quadrant of a DCT, or the half plane of a real picture's DFT
+/// Values on the bins of a spectrum inside a band of radii: the quadrant of a DCT, or the half plane of a real picture's DFT
 /// with the origin at its centre.
 ///
 /// The frequency of bin `i` of a row is `u = (first_column + i) * du`, in cycles per pixel; see the crate's conventions.

@@ -3,7 +3,7 @@
 use ndarray::ArrayView2;
 
 use super::dft_hough::MOST_RIVAL;
-use super::hough_vote::HoughVote;
+use super::hough_vote::{Directions, HoughVote};
 use super::peak::no_direction;
 use crate::estimate::front::{DctFront, DftFront};
 use crate::estimate::per_size::PerSize;
@@ -55,8 +55,8 @@ impl AngleEstimator for DctHough {
             let (dct, dft) = (DctFront::new(settings.window, dim), DftFront::new(settings.window, dim));
             let side = dim.0.max(dim.1);
             Plan {
-                dct_vote: HoughVote::new(dct.levelled().bins(), side, 91.0),
-                dft_vote: HoughVote::new(dft.levelled().bins(), side, 180.0),
+                dct_vote: HoughVote::new(dct.levelled().bins(), side, Directions::Quadrant),
+                dft_vote: HoughVote::new(dft.levelled().bins(), side, Directions::All),
                 dct,
                 dft,
             }

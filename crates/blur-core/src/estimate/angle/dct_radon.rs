@@ -4,7 +4,7 @@ use ndarray::ArrayView2;
 
 use super::dft_radon::MOST_RIVAL;
 use super::peak::no_direction;
-use super::radon_search::RadonSearch;
+use super::radon_search::{QUADRANT_DEG, RadonSearch};
 use crate::estimate::front::{DctFront, DftFront};
 use crate::estimate::per_size::PerSize;
 use crate::estimate::{AngleEstimate, AngleEstimator, Settings};
@@ -21,7 +21,7 @@ use crate::{Result, image};
 /// # All directions
 ///
 /// A DCT has no phase: its quadrant holds the spectra of the picture and of its mirror image one over the other, so
-/// `angle` and `180 - angle` look alike. The search runs over `[0, 90)`; which of the two it is, the same match decides
+/// `angle` and `180 - angle` look alike. The search runs over `[0, 90]`; which of the two it is, the same match decides
 /// on the picture's DFT.
 ///
 /// # Uncertainty
@@ -72,7 +72,7 @@ impl AngleEstimator for DctRadon {
                 dft,
             }
         });
-        let Some(mut found) = plan.dct_search.find(plan.dct.set(image), 90.0) else {
+        let Some(mut found) = plan.dct_search.find(plan.dct.set(image), QUADRANT_DEG) else {
             return Ok(no_direction());
         };
         let dft = plan.dft.set(image);

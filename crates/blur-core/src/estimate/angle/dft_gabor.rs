@@ -4,7 +4,7 @@ use ndarray::ArrayView2;
 
 use super::dft_radon::MOST_RIVAL;
 use super::peak::no_direction;
-use super::radon_search::RadonSearch;
+use super::radon_search::{DIRECTIONS_DEG, RadonSearch};
 use crate::estimate::front::DftFront;
 use crate::estimate::per_size::PerSize;
 use crate::estimate::{AngleEstimate, AngleEstimator, Settings};
@@ -55,7 +55,7 @@ impl AngleEstimator for DftGabor {
             });
             (front, search)
         });
-        let found = search.find(front.set(image), 180.0);
+        let found = search.find(front.set(image), DIRECTIONS_DEG);
         Ok(found.map_or_else(no_direction, |found| found.peak.estimate(Some(found.std_deg), MOST_RIVAL)))
     }
 }

@@ -2,7 +2,7 @@
 
 use ndarray::ArrayView2;
 
-use super::hough_vote::HoughVote;
+use super::hough_vote::{Directions, HoughVote};
 use super::peak::no_direction;
 use crate::estimate::front::DftFront;
 use crate::estimate::per_size::PerSize;
@@ -48,7 +48,7 @@ impl AngleEstimator for DftHough {
         let settings = self.settings;
         let (front, vote) = self.plan.get(image.dim(), |dim| {
             let front = DftFront::new(settings.window, dim);
-            let vote = HoughVote::new(front.levelled().bins(), dim.0.max(dim.1), 180.0);
+            let vote = HoughVote::new(front.levelled().bins(), dim.0.max(dim.1), Directions::All);
             (front, vote)
         });
         let found = vote.find(front.set(image).bins());

@@ -16,6 +16,10 @@ pub(super) struct RadonSearch {
 }
 
 const COARSE_STEP_DEG: f64 = 1.5;
+/// Last direction of a search over all directions: the next one is 0 again.
+pub(super) const DIRECTIONS_DEG: f64 = 180.0 - COARSE_STEP_DEG;
+/// Last direction of a search in the quadrant of a DCT.
+pub(super) const QUADRANT_DEG: f64 = 90.0;
 /// Offsets tried on all bins around the coarse peak.
 const OFFSETS_DEG: [f64; 6] = [-1.2, -0.8, -0.4, 0.4, 0.8, 1.2];
 /// Half width of the final parabola.
@@ -75,11 +79,11 @@ impl RadonSearch {
         }
     }
 
-    /// The direction in `[0, span_deg)` of the best match; `None` when nothing matches anywhere.
-    pub(super) fn find(&mut self, levelled: &Levelled, span_deg: f64) -> Option<RadonPeak> {
+    /// The direction in `[0, last_deg]` of the best match; `None` when nothing matches anywhere.
+    pub(super) fn find(&mut self, levelled: &Levelled, last_deg: f64) -> Option<RadonPeak> {
         self.blocks.set(levelled.bins());
         self.responses.clear();
-        for i in 0..(span_deg / COARSE_STEP_DEG).ceil() as usize {
+        for i in 0..=(last_deg / COARSE_STEP_DEG) as usize {
             self.blocks.project((i as f64 * COARSE_STEP_DEG).to_radians(), &mut self.profile);
             self.responses.push(self.bank.best_match(&self.profile).gain);
         }
