@@ -17,32 +17,41 @@ use crate::estimate::AxialAngle;
 pub struct Rotation {
     plain: Taper,
     tapered: Taper,
-    canvas: Window,
     always: bool,
-    source: Array2<f32>,
+    standardised: Array2<f32>,
+    /// The standardised picture with [`MARGIN`] pixels of 0 or of its border values all around.
+    padded: Vec<f32>,
+    /// Weights of the taper after turning, for as many rows and as many columns as the picture has.
+    row_weights: Vec<f32>,
+    column_weights: Vec<f32>,
 }
 
 /// Taper of a turned picture.
 const TURNED: Window = Window::Tukey { taper: 0.25 };
 /// Below this tilt against the rows or columns the picture counts as not turned: what the borders lose is less than 1 %.
 const UPRIGHT_DEG: f64 = 0.5;
+/// Pixels around the picture, so that the neighbours of every point can be read without a look at the borders.
+const MARGIN: usize = 4;
 
 impl Rotation {
     /// For pictures of `rows` x `columns` pixels. A `window` is laid over every picture, turned or not, instead of the
     /// choice described above.
     pub fn new(window: Option<Window>, rows: usize, columns: usize) -> Self {
+        let turned = window.unwrap_or(TURNED);
         Self {
             plain: Taper::new(Window::None, rows, columns),
-            tapered: Taper::new(window.unwrap_or(TURNED), rows, columns),
-            canvas: window.unwrap_or(TURNED),
+            tapered: Taper::new(turned, rows, columns),
             always: window.is_some(),
-            source: Array2::zeros((rows, columns)),
+            standardised: Array2::zeros((rows, columns)),
+            padded: vec![0.0; (rows + 2 * MARGIN) * (columns + 2 * MARGIN)],
+            row_weights: turned.weights(rows),
+            column_weights: turned.weights(columns),
         }
     }
 
     /// Rows and columns of the result for a motion of this angle.
     pub fn canvas_dim(&self, angle: AxialAngle) -> (usize, usize) {
-        let (rows, columns) = self.source.dim();
+        let (rows, columns) = self.standardised.dim();
         if is_steep(angle) { (columns, rows) } else { (rows, columns) }
     }
 
@@ -52,32 +61,58 @@ impl Rotation {
         let from_axis = (angle.deg() + 45.0).rem_euclid(90.0) - 45.0;
         let upright = from_axis.abs() < UPRIGHT_DEG;
         let taper = if upright && !self.always { &self.plain } else { &self.tapered };
-        taper.apply(image, &mut self.source);
+        taper.apply(image, &mut self.standardised);
+        self.pad(upright);
 
-        let (rows, columns) = self.source.dim();
+        let (rows, columns) = self.standardised.dim();
         let (out_rows, out_columns) = out.dim();
-        let (sin, cos) = if upright && from_axis == 0.0 {
-            if is_steep(angle) { (1.0, 0.0) } else { (0.0, 1.0) }
+        let (down_weights, along_weights) = if is_steep(angle) {
+            (&self.column_weights, &self.row_weights)
         } else {
-            angle.rad().sin_cos()
+            (&self.row_weights, &self.column_weights)
+        };
+        // Right angles exactly: sin and cos in radians miss them by a rounding error.
+        let (sin, cos) = match (from_axis == 0.0, is_steep(angle)) {
+            (true, true) => (1.0, 0.0),
+            (true, false) => (0.0, 1.0),
+            (false, _) => angle.rad().sin_cos(),
         };
         let middle = |n: usize| (n as f64 - 1.0) / 2.0;
-        let window = if upright { Window::None } else { self.canvas };
+        let stride = columns + 2 * MARGIN;
+        // Points further out than this have no neighbour in the picture: they read the margin.
+        let (last_y, last_x) = ((rows + MARGIN + 1) as f32, (columns + MARGIN + 1) as f32);
         for (r, mut out_row) in out.rows_mut().into_iter().enumerate() {
-            let row_weight = window.weight(r, out_rows) as f32;
-            // The out row is along the motion (cos, -sin) in (column, row); out rows go down along (sin, cos).
-            let down = r as f64 - middle(out_rows);
-            for (c, value) in out_row.iter_mut().enumerate() {
-                let along = c as f64 - middle(out_columns);
-                let x = along * cos + down * sin + middle(columns);
-                let y = -along * sin + down * cos + middle(rows);
-                *value = row_weight * sample(&self.source, y, x, upright);
+            let row_weight = if upright { 1.0 } else { down_weights[r] };
+            // A row of the result is along the motion (cos, -sin) in (column, row); its rows go down along (sin, cos).
+            let (down, first) = (r as f64 - middle(out_rows), -middle(out_columns));
+            let x0 = (first * cos + down * sin + middle(columns) + MARGIN as f64) as f32;
+            let y0 = (-first * sin + down * cos + middle(rows) + MARGIN as f64) as f32;
+            let (dx, dy) = (cos as f32, -sin as f32);
+            for (c, (value, &along_weight)) in out_row.iter_mut().zip(along_weights).enumerate() {
+                let (x, y) = (x0 + c as f32 * dx, y0 + c as f32 * dy);
+                let weight = if upright { 1.0 } else { row_weight * along_weight };
+                *value = weight * sample(&self.padded, stride, y.clamp(2.0, last_y), x.clamp(2.0, last_x));
             }
         }
-        if !upright {
-            for (c, mut out_column) in out.columns_mut().into_iter().enumerate() {
-                let weight = window.weight(c, out_columns) as f32;
-                out_column.map_inplace(|value| *value *= weight);
+    }
+
+    /// Fills `padded`: the border values go on around an upright picture, zeros around a turned one, which has faded to
+    /// nothing there.
+    fn pad(&mut self, clamp: bool) {
+        let (rows, columns) = self.standardised.dim();
+        let stride = columns + 2 * MARGIN;
+        for (r, padded) in self.padded.chunks_exact_mut(stride).enumerate() {
+            let inside = (MARGIN..MARGIN + rows).contains(&r);
+            if !inside && !clamp {
+                padded.fill(0.0);
+                continue;
+            }
+            let source = self.standardised.row((r.max(MARGIN) - MARGIN).min(rows - 1));
+            let border = |value: f32| if clamp { value } else { 0.0 };
+            padded[..MARGIN].fill(border(source[0]));
+            padded[MARGIN + columns..].fill(border(source[columns - 1]));
+            for (value, &pixel) in padded[MARGIN..].iter_mut().zip(source) {
+                *value = pixel;
             }
         }
     }
@@ -87,36 +122,18 @@ fn is_steep(angle: AxialAngle) -> bool {
     (45.0..135.0).contains(&angle.deg())
 }
 
-/// Cubic convolution at row `y` and column `x`. Outside the picture its border pixels go on (`clamp`) or it is 0.
-fn sample(source: &Array2<f32>, y: f64, x: f64, clamp: bool) -> f32 {
-    let (rows, columns) = source.dim();
-    let (y0, x0) = (y.floor(), x.floor());
-    let (weights_y, weights_x) = (keys((y - y0) as f32), keys((x - x0) as f32));
-    let (top, left) = (y0 as isize - 1, x0 as isize - 1);
-    if top >= 0 && left >= 0 && top as usize + 4 <= rows && left as usize + 4 <= columns {
-        let (top, left) = (top as usize, left as usize);
-        let mut sum = 0.0;
-        for (i, wy) in weights_y.iter().enumerate() {
-            let mut line = 0.0;
-            for (j, wx) in weights_x.iter().enumerate() {
-                line += wx * source[[top + i, left + j]];
-            }
-            sum += wy * line;
-        }
-        return sum;
-    }
-    let mut sum = 0.0;
-    for (row, wy) in (top..).zip(weights_y) {
-        for (column, wx) in (left..).zip(weights_x) {
-            let inside = (0..rows as isize).contains(&row) && (0..columns as isize).contains(&column);
-            if inside || clamp {
-                let row = row.clamp(0, rows as isize - 1) as usize;
-                let column = column.clamp(0, columns as isize - 1) as usize;
-                sum += wy * wx * source[[row, column]];
-            }
+/// Cubic convolution at row `y` and column `x` of a padded picture, both at least 1 and three neighbours from its end.
+fn sample(padded: &[f32], stride: usize, y: f32, x: f32) -> f32 {
+    let (row, column) = (y as usize, x as usize);
+    let (weights_y, weights_x) = (keys(y - row as f32), keys(x - column as f32));
+    let mut sums = [0.0_f32; 4];
+    for (i, wy) in weights_y.iter().enumerate() {
+        let start = (row - 1 + i) * stride + column - 1;
+        for (sum, pixel) in sums.iter_mut().zip(&padded[start..start + 4]) {
+            *sum += wy * pixel;
         }
     }
-    sum
+    sums.iter().zip(weights_x).map(|(sum, wx)| sum * wx).sum()
 }
 
 /// Weights of the four neighbours at the fraction `t` in `[0, 1)` (Keys 1981, eq. 4 with a = -1/2).

@@ -75,10 +75,10 @@ pub struct Blocks {
 }
 
 /// Blocks that a coarse copy has, at most about.
-const BLOCKS: f64 = 16_384.0;
+const BLOCKS: f64 = 8192.0;
 
 impl Blocks {
-    /// Blocks for the layout of `bins`, at most about 16 thousand.
+    /// Blocks for the layout of `bins`, at most about 8 thousand.
     pub fn new(bins: &SpectrumBins) -> Self {
         let side = (bins.len() as f64 / BLOCKS).sqrt().ceil().max(1.0) as usize;
         let width = bins.rows.iter().map(|row| (row.first_column + row.length) / side + 1).max().unwrap_or(0);
@@ -105,6 +105,11 @@ impl Blocks {
             *v /= count.max(1.0);
         }
         new
+    }
+
+    /// A profile fit for these blocks of `bins`: lines half a block apart.
+    pub fn profile(&self, bins: &SpectrumBins, rows: usize, columns: usize) -> Profile {
+        Profile::new(0.5 * self.side as f64 / rows.max(columns) as f64, bins.band.max)
     }
 
     /// Takes over the values of `bins`, which must have the layout given to [`new`](Self::new).

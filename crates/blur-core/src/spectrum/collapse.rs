@@ -22,7 +22,7 @@ const MOST_ACROSS: f64 = 0.25;
 const MOST_SIGNAL: f64 = 0.05;
 
 impl Collapsed {
-    /// For spectra with `columns` frequencies along the motion.
+    /// For the first `columns` frequencies along the motion.
     pub fn new(columns: usize) -> Self {
         Self { values: vec![0.0; columns], noise: NoiseFloor::new() }
     }

@@ -1,18 +1,34 @@
 //! Search for the direction in which the Radon transform of a spectrum matches a bank of patterns best.
 
+use std::f64::consts::FRAC_PI_2;
+
 use super::peak::Peak;
 use super::structure::Structure;
 use crate::projection::{Blocks, PatternBank, Profile, project};
-use crate::spectrum::Levelled;
+use crate::spectrum::{Levelled, SpectrumBins};
 
 /// Coarse search on blocks of bins, then refinement on all bins.
 #[derive(Debug)]
 pub(super) struct RadonSearch {
     blocks: Blocks,
+    coarse_profile: Profile,
+    coarse_bank: PatternBank,
     profile: Profile,
     bank: PatternBank,
     responses: Vec<f64>,
+    sandwich: Sandwich,
+}
+
+/// Sums over blocks of bins for the sandwich formula.
+#[derive(Debug)]
+struct Sandwich {
+    structure: Structure,
+    /// The large block that each small block is part of.
+    large_of_small: Vec<usize>,
     scores: Vec<f64>,
+    by_angle: Vec<f64>,
+    large_scores: Vec<f64>,
+    information: f64,
 }
 
 const COARSE_STEP_DEG: f64 = 1.5;
@@ -25,8 +41,62 @@ const OFFSETS_DEG: [f64; 6] = [-1.2, -0.8, -0.4, 0.4, 0.8, 1.2];
 /// Half width of the final parabola.
 const PARABOLA_DEG: f64 = 0.3;
 
-/// Bins along each side of the blocks that scores are summed over.
-const SCORE_BLOCK: usize = 16;
+/// Bins along each side of the blocks whose scores are taken as independent: well beyond the window's correlation.
+const LARGE_BLOCK: usize = 16;
+/// Bins along each side of the blocks on which structure is tabulated; a divisor of [`LARGE_BLOCK`].
+const SMALL_BLOCK: usize = 4;
+
+impl Sandwich {
+    fn new(bins: &SpectrumBins) -> Self {
+        let (small, large) = (bins.blocks_of(SMALL_BLOCK), bins.blocks_of(LARGE_BLOCK));
+        let mut centres = vec![(0.0, 0.0, 0.0_f64); small];
+        bins.for_each_in_block(SMALL_BLOCK, |block, u, v, _| {
+            let centre = &mut centres[block];
+            *centre = (centre.0 + f64::from(u), centre.1 + f64::from(v), centre.2 + 1.0);
+        });
+        let mut small_blocks = Vec::new();
+        bins.for_each_in_block(SMALL_BLOCK, |block, _, _, _| small_blocks.push(block));
+        let mut large_of_small = vec![0; small];
+        let mut each = small_blocks.iter();
+        bins.for_each_in_block(LARGE_BLOCK, |block, _, _, _| {
+            if let Some(&small) = each.next() {
+                large_of_small[small] = block;
+            }
+        });
+        Self {
+            structure: Structure::new(centres.iter().map(|&(u, v, n)| (u / n.max(1.0), v / n.max(1.0)))),
+            large_of_small,
+            scores: vec![0.0; small],
+            by_angle: vec![0.0; small],
+            large_scores: vec![0.0; large],
+            information: 0.0,
+        }
+    }
+
+    fn clear(&mut self) {
+        self.scores.fill(0.0);
+        self.by_angle.fill(0.0);
+        self.large_scores.fill(0.0);
+        self.information = 0.0;
+    }
+
+    /// Adds a bin: what the fit leaves of it, and the derivative of the fit by the angle.
+    fn add(&mut self, small_block: usize, residual: f64, by_angle: f64) {
+        self.scores[small_block] += residual * by_angle;
+        self.by_angle[small_block] += by_angle;
+        self.information += by_angle * by_angle;
+    }
+
+    /// Standard uncertainty in radians; structure counts in levelled values, `scale` of them a unit of log power.
+    fn std_rad(&mut self, scale: f64) -> f64 {
+        for (&large, score) in self.large_of_small.iter().zip(&self.scores) {
+            self.large_scores[large] += score;
+        }
+        let scatter: f64 = self.large_scores.iter().map(|score| score * score).sum();
+        let structure = self.structure.variance(&self.by_angle) * scale * scale;
+        if self.information > 0.0 { (scatter + structure).sqrt() / self.information } else { FRAC_PI_2 }
+    }
+}
 
 /// Least-squares offset and amplitude of a pattern in a profile.
 #[derive(Debug, Clone, Copy)]
@@ -66,16 +136,20 @@ impl RadonSearch {
     pub(super) fn new(
         levelled: &Levelled,
         (rows, columns): (usize, usize),
-        bank: impl FnOnce(&Profile) -> PatternBank,
+        bank: impl Fn(&Profile) -> PatternBank,
     ) -> Self {
         let bins = levelled.bins();
         let profile = Profile::fitting(bins, rows, columns);
+        let blocks = Blocks::new(bins);
+        let coarse_profile = blocks.profile(bins, rows, columns);
         Self {
-            blocks: Blocks::new(bins),
+            coarse_bank: bank(&coarse_profile),
+            coarse_profile,
+            blocks,
             bank: bank(&profile),
             profile,
             responses: Vec::new(),
-            scores: vec![0.0; bins.blocks_of(SCORE_BLOCK)],
+            sandwich: Sandwich::new(bins),
         }
     }
 
@@ -84,8 +158,8 @@ impl RadonSearch {
         self.blocks.set(levelled.bins());
         self.responses.clear();
         for i in 0..=(last_deg / COARSE_STEP_DEG) as usize {
-            self.blocks.project((i as f64 * COARSE_STEP_DEG).to_radians(), &mut self.profile);
-            self.responses.push(self.bank.best_match(&self.profile).gain);
+            self.blocks.project((i as f64 * COARSE_STEP_DEG).to_radians(), &mut self.coarse_profile);
+            self.responses.push(self.coarse_bank.best_match(&self.coarse_profile).gain);
         }
         let mut peak = Peak::of(&self.responses, COARSE_STEP_DEG)?;
         let coarse = peak.deg;
@@ -120,24 +194,19 @@ impl RadonSearch {
         let (sin, cos) = deg.to_radians().sin_cos();
         let per_step = 1.0 / self.profile.step();
         let fit = LineFit::of(pattern, &self.profile);
-        self.scores.fill(0.0);
-        let mut information = 0.0;
-        let mut structure = Structure::default();
-        levelled.bins().for_each_in_block(SCORE_BLOCK, |block, u, v, value| {
+        self.sandwich.clear();
+        let last = pattern.len().saturating_sub(1);
+        levelled.bins().for_each_in_block(SMALL_BLOCK, |block, u, v, value| {
             let (u, v) = (f64::from(u), f64::from(v));
             let s = u * cos - v * sin;
-            let line = ((s.abs() * per_step) as usize).min(pattern.len().saturating_sub(1));
-            let (left, right) = (line.saturating_sub(1), (line + 1).min(pattern.len().saturating_sub(1)));
+            let line = ((s.abs() * per_step) as usize).min(last);
+            let (left, right) = (line.saturating_sub(1), (line + 1).min(last));
             let slope = f64::from(pattern[right] - pattern[left]) * per_step / (right - left).max(1) as f64;
             let by_angle = fit.amplitude * slope * s.signum() * (-u * sin - v * cos);
             let residual = f64::from(value) - fit.offset - fit.amplitude * f64::from(pattern[line]);
-            self.scores[block] += residual * by_angle;
-            information += by_angle * by_angle;
-            structure.add(u, v, by_angle);
+            self.sandwich.add(block, residual, by_angle);
         });
-        let scatter = self.scores.iter().map(|score| score * score).sum::<f64>();
-        let structure = structure.variance() * levelled.scale() * levelled.scale();
-        if information > 0.0 { ((scatter + structure).sqrt() / information).to_degrees() } else { 90.0 }
+        self.sandwich.std_rad(levelled.scale()).to_degrees()
     }
 
     /// The gain in log likelihood of the best pattern at one direction, on all bins.

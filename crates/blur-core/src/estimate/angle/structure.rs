@@ -1,14 +1,14 @@
 //! What the spectra of sharp pictures may look like, as a contribution to the uncertainty.
 
-/// Sums of a score against the anisotropies that the spectra of sharp pictures show and that levelling does not take
-/// out.
+/// The anisotropies that the spectra of sharp pictures show and that levelling does not take out, tabulated on blocks of
+/// bins.
 ///
 /// Each is a function of the frequency whose amplitude in the log power varies from picture to picture with a known
 /// standard deviation: a Type B contribution (GUM 4.3). The standard deviations are those of sharp centre crops of
 /// twelve photographs and five textures.
-#[derive(Debug, Clone, Copy, Default)]
+#[derive(Debug, Clone)]
 pub(super) struct Structure {
-    sums: [f64; TERMS],
+    terms: Vec<[f32; TERMS]>,
 }
 
 const TERMS: usize = 10;
@@ -20,21 +20,28 @@ const STD: [f64; TERMS] = [0.14, 0.09, 0.13, 0.12, 0.23, 0.15, 0.21, 0.08, 1.03,
 const RIDGE_RAD: f64 = 0.052_36;
 
 impl Structure {
-    /// Adds a bin's score.
-    pub(super) fn add(&mut self, u: f64, v: f64, score: f64) {
-        for (sum, term) in self.sums.iter_mut().zip(terms(u, v)) {
-            *sum += score * term;
-        }
+    /// For blocks of bins at these mean frequencies `(u, v)`.
+    pub(super) fn new(frequencies: impl Iterator<Item = (f64, f64)>) -> Self {
+        Self { terms: frequencies.map(|(u, v)| terms(u, v).map(|term| term as f32)).collect() }
     }
 
-    /// Variance of the summed score over pictures.
-    pub(super) fn variance(&self) -> f64 {
-        self.sums.iter().zip(STD).map(|(sum, std)| (sum * std).powi(2)).sum()
+    /// Variance over pictures of a sum over bins whose coefficients, summed over each block, are `coefficients`.
+    pub(super) fn variance(&self, coefficients: &[f64]) -> f64 {
+        let mut sums = [0.0_f64; TERMS];
+        for (terms, coefficient) in self.terms.iter().zip(coefficients) {
+            for (sum, &term) in sums.iter_mut().zip(terms) {
+                *sum += coefficient * f64::from(term);
+            }
+        }
+        sums.iter().zip(STD).map(|(sum, std)| (sum * std).powi(2)).sum()
     }
 }
 
 fn terms(u: f64, v: f64) -> [f64; TERMS] {
     let r2 = u * u + v * v;
+    if r2 == 0.0 {
+        return [0.0; TERMS];
+    }
     // The direction with y up has -v.
     let (c2, s2) = ((u * u - v * v) / r2, -2.0 * u * v / r2);
     let (c4, s4) = (c2 * c2 - s2 * s2, 2.0 * c2 * s2);

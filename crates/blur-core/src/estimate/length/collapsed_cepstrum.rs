@@ -19,7 +19,8 @@ impl CollapsedCepstrum {
     /// For spectra of `columns` frequencies, `step` cycles per pixel apart, of pictures `extent_px` pixels wide.
     pub(super) fn new(columns: usize, step: f64, extent_px: usize) -> Self {
         let least = 1.0 / extent_px as f64;
-        Self { collapsed: Collapsed::new(columns), cepstrum: LineCepstrum::new(step, least, MOST_ALONG) }
+        let used = ((MOST_ALONG / step) as usize + 2).min(columns);
+        Self { collapsed: Collapsed::new(used), cepstrum: LineCepstrum::new(step, least, MOST_ALONG) }
     }
 
     /// The deepest trough between two lengths, after `collapsed` has been set.
