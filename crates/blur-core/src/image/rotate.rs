@@ -24,6 +24,8 @@ pub struct Rotation {
     /// Weights of the taper after turning, for as many rows and as many columns as the picture has.
     row_weights: Vec<f32>,
     column_weights: Vec<f32>,
+    /// Weights of the four neighbours at each phase.
+    kernel: Vec<[f32; 4]>,
 }
 
 /// Taper of a turned picture.
@@ -46,6 +48,8 @@ impl Rotation {
             padded: vec![0.0; (rows + 2 * MARGIN) * (columns + 2 * MARGIN)],
             row_weights: turned.weights(rows),
             column_weights: turned.weights(columns),
+            // Phase i holds the fractions from i to i + 1: its middle, but for the first, which keeps whole pixels.
+            kernel: (0..PHASES).map(|i| keys(if i == 0 { 0.0 } else { (i as f32 + 0.5) / PHASES as f32 })).collect(),
         }
     }
 
@@ -80,18 +84,26 @@ impl Rotation {
         let middle = |n: usize| (n as f64 - 1.0) / 2.0;
         let stride = columns + 2 * MARGIN;
         // Points further out than this have no neighbour in the picture: they read the margin.
-        let (last_y, last_x) = ((rows + MARGIN + 1) as f32, (columns + MARGIN + 1) as f32);
+        let (last_y, last_x) = (fixed((rows + MARGIN + 1) as f64), fixed((columns + MARGIN + 1) as f64));
+        let first_point = fixed(2.0);
         for (r, mut out_row) in out.rows_mut().into_iter().enumerate() {
             let row_weight = if upright { 1.0 } else { down_weights[r] };
             // A row of the result is along the motion (cos, -sin) in (column, row); its rows go down along (sin, cos).
             let (down, first) = (r as f64 - middle(out_rows), -middle(out_columns));
-            let x0 = (first * cos + down * sin + middle(columns) + MARGIN as f64) as f32;
-            let y0 = (-first * sin + down * cos + middle(rows) + MARGIN as f64) as f32;
-            let (dx, dy) = (cos as f32, -sin as f32);
-            for (c, (value, &along_weight)) in out_row.iter_mut().zip(along_weights).enumerate() {
-                let (x, y) = (x0 + c as f32 * dx, y0 + c as f32 * dy);
-                let weight = if upright { 1.0 } else { row_weight * along_weight };
-                *value = weight * sample(&self.padded, stride, y.clamp(2.0, last_y), x.clamp(2.0, last_x));
+            let mut x = fixed(first * cos + down * sin + middle(columns) + MARGIN as f64);
+            let mut y = fixed(-first * sin + down * cos + middle(rows) + MARGIN as f64);
+            let (dx, dy) = (fixed(cos), fixed(-sin));
+            for (value, &along_weight) in out_row.iter_mut().zip(along_weights) {
+                let point = sample(
+                    &self.padded,
+                    stride,
+                    &self.kernel,
+                    y.clamp(first_point, last_y),
+                    x.clamp(first_point, last_x),
+                );
+                *value = if upright { point } else { point * (row_weight * along_weight) };
+                x += dx;
+                y += dy;
             }
         }
     }
@@ -122,18 +134,30 @@ fn is_steep(angle: AxialAngle) -> bool {
     (45.0..135.0).contains(&angle.deg())
 }
 
+/// Coordinates of points are fixed-point numbers: whole pixels and [`FRACTION_BITS`] bits of fraction. Their steps along
+/// a row add up without rounding, and taking them apart costs two shifts.
+const FRACTION_BITS: u32 = 32;
+/// Weights are tabulated at this many fractions of a pixel: a point is off by at most 1/1024 pixel.
+const PHASES: usize = 512;
+
+fn fixed(pixels: f64) -> i64 {
+    (pixels * (1_i64 << FRACTION_BITS) as f64).round() as i64
+}
+
 /// Cubic convolution at row `y` and column `x` of a padded picture, both at least 1 and three neighbours from its end.
-fn sample(padded: &[f32], stride: usize, y: f32, x: f32) -> f32 {
-    let (row, column) = (y as usize, x as usize);
-    let (weights_y, weights_x) = (keys(y - row as f32), keys(x - column as f32));
+fn sample(padded: &[f32], stride: usize, kernel: &[[f32; 4]], y: i64, x: i64) -> f32 {
+    let phase = |at: i64| (at >> (FRACTION_BITS - PHASES.ilog2())) as usize % PHASES;
+    let (row, column) = ((y >> FRACTION_BITS) as usize, (x >> FRACTION_BITS) as usize);
+    let (weights_y, weights_x) = (&kernel[phase(y)], &kernel[phase(x)]);
+    let start = (row - 1) * stride + column - 1;
+    let block = &padded[start..start + 3 * stride + 4];
     let mut sums = [0.0_f32; 4];
     for (i, wy) in weights_y.iter().enumerate() {
-        let start = (row - 1 + i) * stride + column - 1;
-        for (sum, pixel) in sums.iter_mut().zip(&padded[start..start + 4]) {
+        for (sum, pixel) in sums.iter_mut().zip(&block[i * stride..i * stride + 4]) {
             *sum += wy * pixel;
         }
     }
-    sums.iter().zip(weights_x).map(|(sum, wx)| sum * wx).sum()
+    (sums[0] * weights_x[0] + sums[1] * weights_x[1]) + (sums[2] * weights_x[2] + sums[3] * weights_x[3])
 }
 
 /// Weights of the four neighbours at the fraction `t` in `[0, 1)` (Keys 1981, eq. 4 with a = -1/2).

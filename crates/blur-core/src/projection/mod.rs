@@ -6,4 +6,4 @@ mod radon;
 
 pub use hough::{Hough, Votes};
 pub use pattern::{Match, PatternBank};
-pub use radon::{Blocks, Profile, project};
+pub use radon::{BlockLines, Blocks, Profile, project};

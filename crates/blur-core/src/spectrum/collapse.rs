@@ -3,6 +3,7 @@
 use ndarray::ArrayView2;
 use rustfft::num_complex::Complex32;
 
+use super::log::ln;
 use super::noise::{NoiseFloor, Powers};
 
 /// Averages the log powers of a spectrum over the frequencies across the motion (thesis algorithm 4.2, steps 4 and 5).
@@ -74,7 +75,7 @@ impl Collapsed {
             let weight = snr / (snr + 1.0) + 1e-6;
             total += weight;
             for (column, value) in self.values.iter_mut().enumerate().take(columns) {
-                *value += weight * f64::from((power(row, column) + noise).ln());
+                *value += weight * f64::from(ln(power(row, column) + noise));
             }
         }
         for value in &mut self.values {

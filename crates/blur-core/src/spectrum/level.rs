@@ -4,6 +4,7 @@ use ndarray::ArrayView2;
 use rustfft::num_complex::Complex32;
 
 use super::bins::{Band, SpectrumBins};
+use super::log::ln;
 use super::noise::{NoiseFloor, Powers};
 
 /// Levels log spectra of pictures of one size.
@@ -104,7 +105,7 @@ impl Levelled {
         for row in &self.bins.rows {
             for i in 0..row.length {
                 let column = row.first_column + i;
-                let value = (power(row.source_row, column) + noise).ln();
+                let value = ln(power(row.source_row, column) + noise);
                 self.bins.values[row.start + i] = value;
                 let ring = ring_of(column as f32 * self.bins.du, row.v, side);
                 self.ring_sum[ring] += f64::from(value);

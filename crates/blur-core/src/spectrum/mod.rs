@@ -9,6 +9,7 @@ mod collapse;
 mod dct;
 mod dft;
 mod level;
+mod log;
 mod noise;
 
 pub use bins::SpectrumBins;

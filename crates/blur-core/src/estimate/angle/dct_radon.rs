@@ -4,7 +4,7 @@ use ndarray::ArrayView2;
 
 use super::dft_radon::MOST_RIVAL;
 use super::peak::no_direction;
-use super::radon_search::{QUADRANT_DEG, RadonSearch};
+use super::radon_search::{DIRECTIONS_DEG, QUADRANT_DEG, RadonSearch};
 use crate::estimate::front::{DctFront, DftFront};
 use crate::estimate::per_size::PerSize;
 use crate::estimate::{AngleEstimate, AngleEstimator, Settings};
@@ -66,13 +66,13 @@ impl AngleEstimator for DctRadon {
             let range = settings.lengths_in(dim.0.max(dim.1) as f64);
             let bank = |profile: &_| PatternBank::dark_lines(profile, range.min_px(), range.max_px());
             Plan {
-                dct_search: RadonSearch::new(dct.levelled(), dim, bank),
-                dft_search: RadonSearch::new(dft.levelled(), dim, bank),
+                dct_search: RadonSearch::new(dct.levelled(), dim, QUADRANT_DEG, bank),
+                dft_search: RadonSearch::new(dft.levelled(), dim, DIRECTIONS_DEG, bank),
                 dct,
                 dft,
             }
         });
-        let Some(mut found) = plan.dct_search.find(plan.dct.set(image), QUADRANT_DEG) else {
+        let Some(mut found) = plan.dct_search.find(plan.dct.set(image)) else {
             return Ok(no_direction());
         };
         let dft = plan.dft.set(image);

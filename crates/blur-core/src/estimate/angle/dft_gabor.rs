@@ -50,12 +50,12 @@ impl AngleEstimator for DftGabor {
         let (front, search) = self.plan.get(image.dim(), |dim| {
             let front = DftFront::new(settings.window, dim);
             let range = settings.lengths_in(dim.0.max(dim.1) as f64);
-            let search = RadonSearch::new(front.levelled(), dim, |profile| {
+            let search = RadonSearch::new(front.levelled(), dim, DIRECTIONS_DEG, |profile| {
                 PatternBank::gabor(profile, range.min_px(), range.max_px())
             });
             (front, search)
         });
-        let found = search.find(front.set(image), DIRECTIONS_DEG);
+        let found = search.find(front.set(image));
         Ok(found.map_or_else(no_direction, |found| found.peak.estimate(Some(found.std_deg), MOST_RIVAL)))
     }
 }

@@ -4,13 +4,15 @@ use std::f64::consts::FRAC_PI_2;
 
 use super::peak::Peak;
 use super::structure::Structure;
-use crate::projection::{Blocks, PatternBank, Profile, project};
+use crate::projection::{BlockLines, Blocks, PatternBank, Profile, project};
 use crate::spectrum::{Levelled, SpectrumBins};
 
 /// Coarse search on blocks of bins, then refinement on all bins.
 #[derive(Debug)]
 pub(super) struct RadonSearch {
     blocks: Blocks,
+    /// Lines of the blocks at each coarse direction.
+    lines: Vec<BlockLines>,
     coarse_profile: Profile,
     coarse_bank: PatternBank,
     profile: Profile,
@@ -36,11 +38,8 @@ const COARSE_STEP_DEG: f64 = 1.5;
 pub(super) const DIRECTIONS_DEG: f64 = 180.0 - COARSE_STEP_DEG;
 /// Last direction of a search in the quadrant of a DCT.
 pub(super) const QUADRANT_DEG: f64 = 90.0;
-/// Offsets tried on all bins around the coarse peak.
-const OFFSETS_DEG: [f64; 6] = [-1.2, -0.8, -0.4, 0.4, 0.8, 1.2];
-/// Half width of the final parabola.
-const PARABOLA_DEG: f64 = 0.3;
-
+/// Half widths of the parabolas that refine the coarse peak, one after the other.
+const PARABOLAS_DEG: [f64; 2] = [0.75, 0.25];
 /// Bins along each side of the blocks whose scores are taken as independent: well beyond the window's correlation.
 const LARGE_BLOCK: usize = 16;
 /// Bins along each side of the blocks on which structure is tabulated; a divisor of [`LARGE_BLOCK`].
@@ -132,17 +131,22 @@ pub(super) struct RadonPeak {
 
 impl RadonSearch {
     /// A search in spectra with the layout of `levelled`, of pictures of `rows` x `columns` pixels, for the patterns
-    /// that `bank` makes for a profile.
+    /// that `bank` makes for a profile, over the directions in `[0, last_deg]`.
     pub(super) fn new(
         levelled: &Levelled,
         (rows, columns): (usize, usize),
+        last_deg: f64,
         bank: impl Fn(&Profile) -> PatternBank,
     ) -> Self {
         let bins = levelled.bins();
         let profile = Profile::fitting(bins, rows, columns);
         let blocks = Blocks::new(bins);
         let coarse_profile = blocks.profile(bins, rows, columns);
+        let lines = (0..=(last_deg / COARSE_STEP_DEG) as usize)
+            .map(|i| blocks.lines((i as f64 * COARSE_STEP_DEG).to_radians(), &coarse_profile))
+            .collect();
         Self {
+            lines,
             coarse_bank: bank(&coarse_profile),
             coarse_profile,
             blocks,
@@ -153,32 +157,34 @@ impl RadonSearch {
         }
     }
 
-    /// The direction in `[0, last_deg]` of the best match; `None` when nothing matches anywhere.
-    pub(super) fn find(&mut self, levelled: &Levelled, last_deg: f64) -> Option<RadonPeak> {
+    /// The direction of the best match; `None` when nothing matches anywhere.
+    pub(super) fn find(&mut self, levelled: &Levelled) -> Option<RadonPeak> {
         self.blocks.set(levelled.bins());
         self.responses.clear();
-        for i in 0..=(last_deg / COARSE_STEP_DEG) as usize {
-            self.blocks.project((i as f64 * COARSE_STEP_DEG).to_radians(), &mut self.coarse_profile);
+        for lines in &self.lines {
+            self.blocks.project(lines, &mut self.coarse_profile);
             self.responses.push(self.coarse_bank.best_match(&self.coarse_profile).gain);
         }
         let mut peak = Peak::of(&self.responses, COARSE_STEP_DEG)?;
-        let coarse = peak.deg;
-        peak.height = self.gain_at(levelled, coarse);
-        for offset in OFFSETS_DEG {
-            let gain = self.gain_at(levelled, coarse + offset);
-            if gain > peak.height {
-                (peak.deg, peak.height) = (coarse + offset, gain);
-            }
-        }
-        let (before, after) =
-            (self.gain_at(levelled, peak.deg - PARABOLA_DEG), self.gain_at(levelled, peak.deg + PARABOLA_DEG));
-        let curvature = (before - 2.0 * peak.height + after) / (PARABOLA_DEG * PARABOLA_DEG);
-        let slope = (after - before) / (2.0 * PARABOLA_DEG);
-        if curvature < 0.0 {
-            peak.deg += (-slope / curvature).clamp(-PARABOLA_DEG, PARABOLA_DEG);
+        for half_width in PARABOLAS_DEG {
+            peak.deg = self.highest_near(levelled, peak.deg, half_width);
         }
         let std_deg = self.std_deg_at(levelled, peak.deg);
         Some(RadonPeak { peak, std_deg })
+    }
+
+    /// The place of the maximum within `half_width` of `deg` by the parabola through three directions on all bins; an end
+    /// when the matches rise towards it.
+    fn highest_near(&mut self, levelled: &Levelled, deg: f64, half_width: f64) -> f64 {
+        let [before, at, after] = [-half_width, 0.0, half_width].map(|offset| self.gain_at(levelled, deg + offset));
+        let curvature = before - 2.0 * at + after;
+        if curvature < 0.0 {
+            deg + half_width * (0.5 * (before - after) / curvature).clamp(-1.0, 1.0)
+        } else if after > before {
+            deg + half_width
+        } else {
+            deg - half_width
+        }
     }
 
     /// Standard uncertainty of the direction by the sandwich formula: the score (derivative of the log likelihood by the
