@@ -19,7 +19,9 @@ use crate::{Result, image};
 ///
 /// # Uncertainty
 ///
-/// The sandwich formula over blocks of bins around the best match. A wrong peak is not covered.
+/// The sandwich formula over blocks of bins around the best match, and what sharp pictures may look like as a Type B
+/// contribution. Two standard uncertainties covered 99, 98 and 95 % of the errors on clean pictures and at 36 and 28 dB,
+/// but only 75 % at 20 dB, where the picture's own structure moves the peak. A wrong peak is not covered.
 ///
 /// # When it fails
 ///

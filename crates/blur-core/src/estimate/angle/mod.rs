@@ -9,6 +9,7 @@ mod dft_radon;
 mod hough_vote;
 mod peak;
 mod radon_search;
+mod sandwich;
 mod structure;
 
 pub use dct_hough::DctHough;

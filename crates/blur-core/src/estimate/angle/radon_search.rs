@@ -1,11 +1,9 @@
 //! Search for the direction in which the Radon transform of a spectrum matches a bank of patterns best.
 
-use std::f64::consts::FRAC_PI_2;
-
 use super::peak::Peak;
-use super::structure::Structure;
+use super::sandwich::{SMALL_BLOCK, Sandwich};
 use crate::projection::{BlockLines, Blocks, PatternBank, Profile, project};
-use crate::spectrum::{Levelled, SpectrumBins};
+use crate::spectrum::Levelled;
 
 /// Coarse search on blocks of bins, then refinement on all bins.
 #[derive(Debug)]
@@ -21,18 +19,6 @@ pub(super) struct RadonSearch {
     sandwich: Sandwich,
 }
 
-/// Sums over blocks of bins for the sandwich formula.
-#[derive(Debug)]
-struct Sandwich {
-    structure: Structure,
-    /// The large block that each small block is part of.
-    large_of_small: Vec<usize>,
-    scores: Vec<f64>,
-    by_angle: Vec<f64>,
-    large_scores: Vec<f64>,
-    information: f64,
-}
-
 const COARSE_STEP_DEG: f64 = 1.5;
 /// Last direction of a search over all directions: the next one is 0 again.
 pub(super) const DIRECTIONS_DEG: f64 = 180.0 - COARSE_STEP_DEG;
@@ -40,62 +26,6 @@ pub(super) const DIRECTIONS_DEG: f64 = 180.0 - COARSE_STEP_DEG;
 pub(super) const QUADRANT_DEG: f64 = 90.0;
 /// Half widths of the parabolas that refine the coarse peak, one after the other.
 const PARABOLAS_DEG: [f64; 2] = [0.75, 0.25];
-/// Bins along each side of the blocks whose scores are taken as independent: well beyond the window's correlation.
-const LARGE_BLOCK: usize = 16;
-/// Bins along each side of the blocks on which structure is tabulated; a divisor of [`LARGE_BLOCK`].
-const SMALL_BLOCK: usize = 4;
-
-impl Sandwich {
-    fn new(bins: &SpectrumBins) -> Self {
-        let (small, large) = (bins.blocks_of(SMALL_BLOCK), bins.blocks_of(LARGE_BLOCK));
-        let mut centres = vec![(0.0, 0.0, 0.0_f64); small];
-        bins.for_each_in_block(SMALL_BLOCK, |block, u, v, _| {
-            let centre = &mut centres[block];
-            *centre = (centre.0 + f64::from(u), centre.1 + f64::from(v), centre.2 + 1.0);
-        });
-        let mut small_blocks = Vec::new();
-        bins.for_each_in_block(SMALL_BLOCK, |block, _, _, _| small_blocks.push(block));
-        let mut large_of_small = vec![0; small];
-        let mut each = small_blocks.iter();
-        bins.for_each_in_block(LARGE_BLOCK, |block, _, _, _| {
-            if let Some(&small) = each.next() {
-                large_of_small[small] = block;
-            }
-        });
-        Self {
-            structure: Structure::new(centres.iter().map(|&(u, v, n)| (u / n.max(1.0), v / n.max(1.0)))),
-            large_of_small,
-            scores: vec![0.0; small],
-            by_angle: vec![0.0; small],
-            large_scores: vec![0.0; large],
-            information: 0.0,
-        }
-    }
-
-    fn clear(&mut self) {
-        self.scores.fill(0.0);
-        self.by_angle.fill(0.0);
-        self.large_scores.fill(0.0);
-        self.information = 0.0;
-    }
-
-    /// Adds a bin: what the fit leaves of it, and the derivative of the fit by the angle.
-    fn add(&mut self, small_block: usize, residual: f64, by_angle: f64) {
-        self.scores[small_block] += residual * by_angle;
-        self.by_angle[small_block] += by_angle;
-        self.information += by_angle * by_angle;
-    }
-
-    /// Standard uncertainty in radians; structure counts in levelled values, `scale` of them a unit of log power.
-    fn std_rad(&mut self, scale: f64) -> f64 {
-        for (&large, score) in self.large_of_small.iter().zip(&self.scores) {
-            self.large_scores[large] += score;
-        }
-        let scatter: f64 = self.large_scores.iter().map(|score| score * score).sum();
-        let structure = self.structure.variance(&self.by_angle) * scale * scale;
-        if self.information > 0.0 { (scatter + structure).sqrt() / self.information } else { FRAC_PI_2 }
-    }
-}
 
 /// Least-squares offset and amplitude of a pattern in a profile.
 #[derive(Debug, Clone, Copy)]
@@ -187,12 +117,7 @@ impl RadonSearch {
         }
     }
 
-    /// Standard uncertainty of the direction by the sandwich formula: the score (derivative of the log likelihood by the
-    /// angle) is summed over blocks of bins, whose sums are taken as independent; their scatter over the information
-    /// is the uncertainty. Correlation inside a block, from the window and the picture's own structure, is counted in;
-    /// structure that reaches over the whole spectrum is added from its spread among sharp pictures ([`Structure`]).
-    ///
-    /// Reference: H. White, "Maximum likelihood estimation of misspecified models", Econometrica 50, 1982.
+    /// Standard uncertainty of the direction, see [`Sandwich`].
     fn std_deg_at(&mut self, levelled: &Levelled, deg: f64) -> f64 {
         project(levelled.bins(), deg.to_radians(), &mut self.profile);
         let best = self.bank.best_match(&self.profile);
