@@ -2,7 +2,7 @@
 
 use ndarray::ArrayView2;
 
-use super::dft_radon::MOST_RIVAL;
+use super::dft_pattern::MOST_RIVAL;
 use super::peak::no_direction;
 use super::radon_search::{DIRECTIONS_DEG, QUADRANT_DEG, RadonSearch};
 use crate::estimate::front::{DctFront, DftFront};

@@ -2,14 +2,10 @@
 
 use ndarray::ArrayView2;
 
-use super::dft_radon::MOST_RIVAL;
-use super::peak::no_direction;
-use super::radon_search::{DIRECTIONS_DEG, RadonSearch};
-use crate::estimate::front::DftFront;
-use crate::estimate::per_size::PerSize;
+use super::dft_pattern::DftPattern;
+use crate::Result;
 use crate::estimate::{AngleEstimate, AngleEstimator, Settings};
 use crate::projection::PatternBank;
-use crate::{Result, image};
 
 /// `dft-gabor`: the direction in which Gabor filters at the centre of the levelled log DFT spectrum respond most.
 ///
@@ -31,31 +27,17 @@ use crate::{Result, image};
 /// I. M. Rekleitis, "Steerable filters and cepstral analysis for optical flow calculation from a single blurred image",
 /// Vision Interface 1996; F. Krahmer et al., "Blind image deconvolution: motion blur estimation", IMA 2006.
 #[derive(Debug)]
-pub struct DftGabor {
-    settings: Settings,
-    plan: PerSize<(DftFront, RadonSearch)>,
-}
+pub struct DftGabor(DftPattern);
 
 impl DftGabor {
     /// A new estimator; plans are made when the first picture comes.
     pub fn new(settings: &Settings) -> Self {
-        Self { settings: *settings, plan: PerSize::new() }
+        Self(DftPattern::new(settings, PatternBank::gabor))
     }
 }
 
 impl AngleEstimator for DftGabor {
     fn estimate(&mut self, image: ArrayView2<'_, f32>) -> Result<AngleEstimate> {
-        image::check(image)?;
-        let settings = self.settings;
-        let (front, search) = self.plan.get(image.dim(), |dim| {
-            let front = DftFront::new(settings.window, dim);
-            let range = settings.lengths_in(dim.0.max(dim.1) as f64);
-            let search = RadonSearch::new(front.levelled(), dim, DIRECTIONS_DEG, |profile| {
-                PatternBank::gabor(profile, range.min_px(), range.max_px())
-            });
-            (front, search)
-        });
-        let found = search.find(front.set(image));
-        Ok(found.map_or_else(no_direction, |found| found.peak.estimate(Some(found.std_deg), MOST_RIVAL)))
+        self.0.estimate(image)
     }
 }

@@ -5,6 +5,7 @@ mod dct_radon;
 mod dft_cepstrum;
 mod dft_gabor;
 mod dft_hough;
+mod dft_pattern;
 mod dft_radon;
 mod hough_vote;
 mod peak;
