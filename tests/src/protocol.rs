@@ -11,7 +11,7 @@ use blur_core::estimate::{AngleEstimator, AxialAngle, LengthEstimator, Settings}
 use blur_sim::expose::Exposer;
 use blur_sim::motion::Motion;
 use blur_sim::sensor::{Sensor, f32_from_u8};
-use ndarray::Array2;
+use ndarray::{Array2, ArrayView2};
 use rayon::prelude::*;
 use thiserror::Error;
 
@@ -19,8 +19,6 @@ use crate::data::Sharp;
 
 /// PSNR in dB of each level; `None` is clean, rounded only.
 pub const LEVELS: [Option<f64>; 4] = [None, Some(36.0), Some(28.0), Some(20.0)];
-/// Blur length of the angle experiments in pixels.
-pub const ANGLE_LENGTH_PX: f64 = 55.0;
 /// Longest side of the pictures measured.
 pub const SIDE_PX: usize = 512;
 
@@ -72,8 +70,12 @@ pub struct Outcome {
 pub struct Plan {
     /// Angles in degrees.
     pub angles_deg: Vec<f64>,
+    /// Blur length of the angle experiments in pixels.
+    pub angle_length_px: f64,
     /// Lengths in pixels.
     pub lengths_px: Vec<f64>,
+    /// Angle of the length experiments in degrees.
+    pub length_angle_deg: f64,
     /// Angle methods.
     pub angle_methods: Vec<&'static Method<Box<dyn AngleEstimator>>>,
     /// Length methods.
@@ -88,7 +90,9 @@ impl Plan {
         let steps = |range: RangeInclusive<u32>, step: usize| range.step_by(step).map(f64::from).collect();
         Self {
             angles_deg: steps(0..=179, 7),
+            angle_length_px: 55.0,
             lengths_px: steps(5..=95, 5),
+            length_angle_deg: 0.0,
             angle_methods: registry::ANGLE.iter().collect(),
             length_methods: registry::LENGTH.iter().collect(),
             seed: 20_180_101,
@@ -118,9 +122,49 @@ fn exposures(
         .collect()
 }
 
-/// A seed for each exposure that does not depend on the order of work.
-fn seed_of(plan: &Plan, picture: usize, case: usize) -> u64 {
-    plan.seed.wrapping_add(picture as u64 * 100_003).wrapping_add(case as u64 * 1009)
+/// What a method says of one picture: signed error, standard uncertainty, whether it called its answer `ok`.
+type Answer = (f64, Option<f64>, bool);
+
+/// Exposes every picture with every motion at every level and asks every method. `truth` is what is measured of a motion;
+/// seeds begin at `seed` and do not depend on the order of work.
+fn run<E>(
+    pictures: &[Sharp],
+    motions: &[Motion],
+    methods: &[&'static Method<E>],
+    seed: u64,
+    truth: impl Fn(&Motion) -> f64 + Sync,
+    ask: impl Fn(&mut E, ArrayView2<'_, f32>, &Motion) -> blur_core::Result<Answer> + Sync,
+) -> Result<Vec<Outcome>, Error> {
+    let per_picture =
+        pictures.par_iter().enumerate().map(|(index, sharp)| {
+            let mut exposer = Exposer::new();
+            let mut estimators: Vec<_> =
+                methods.iter().map(|method| (method.name, method.build(&Settings::default()))).collect();
+            let mut outcomes = Vec::new();
+            for (case, motion) in motions.iter().enumerate() {
+                let seed = seed.wrapping_add(index as u64 * 100_003).wrapping_add(case as u64 * 1009);
+                let shots = exposures(&mut exposer, sharp, motion, seed)
+                    .map_err(|source| Error::Simulation { name: sharp.name.clone(), source })?;
+                for (level, shot) in shots.iter().enumerate() {
+                    for (method, estimator) in &mut estimators {
+                        let (error, std, ok) = ask(estimator, shot.view(), motion)
+                            .map_err(|source| Error::Estimation { name: sharp.name.clone(), method, source })?;
+                        let (picture, truth) = (sharp.name.clone(), truth(motion));
+                        outcomes.push(Outcome { method, level, picture, truth, error, std, ok });
+                    }
+                }
+            }
+            Ok(outcomes)
+        });
+    Ok(per_picture.collect::<Result<Vec<_>, Error>>()?.into_iter().flatten().collect())
+}
+
+/// The uniform motions of these lengths (pixels) and angles (degrees).
+fn motions(blurs: impl Iterator<Item = (f64, f64)>) -> Result<Vec<Motion>, Error> {
+    blurs
+        .map(|(length_px, deg)| Motion::uniform(length_px, AxialAngle::from_deg(deg)))
+        .collect::<Result<_, _>>()
+        .map_err(|source| Error::Simulation { name: "the plan".to_owned(), source })
 }
 
 /// Measures the angle of every picture at every angle and level with every angle method of the plan.
@@ -129,80 +173,34 @@ fn seed_of(plan: &Plan, picture: usize, case: usize) -> u64 {
 ///
 /// When the simulator or a method fails on a picture.
 pub fn run_angles(plan: &Plan, pictures: &[Sharp]) -> Result<Vec<Outcome>, Error> {
-    let per_picture = pictures.par_iter().enumerate().map(|(index, sharp)| {
-        let mut exposer = Exposer::new();
-        let mut estimators: Vec<_> =
-            plan.angle_methods.iter().map(|method| (method.name, method.build(&Settings::default()))).collect();
-        let mut outcomes = Vec::new();
-        for (case, &deg) in plan.angles_deg.iter().enumerate() {
-            let simulation = |source| Error::Simulation { name: sharp.name.clone(), source };
-            let truth = AxialAngle::from_deg(deg);
-            let motion = Motion::uniform(ANGLE_LENGTH_PX, truth).map_err(simulation)?;
-            let shots = exposures(&mut exposer, sharp, &motion, seed_of(plan, index, case)).map_err(simulation)?;
-            for (level, shot) in shots.iter().enumerate() {
-                for (method, estimator) in &mut estimators {
-                    let found = estimator.estimate(shot.view()).map_err(|source| Error::Estimation {
-                        name: sharp.name.clone(),
-                        method,
-                        source,
-                    })?;
-                    outcomes.push(Outcome {
-                        method,
-                        level,
-                        picture: sharp.name.clone(),
-                        truth: deg,
-                        error: found.angle.minus_deg(truth),
-                        std: found.std_deg,
-                        ok: found.status.doubt().is_none(),
-                    });
-                }
-            }
-        }
-        Ok(outcomes)
-    });
-    Ok(per_picture.collect::<Result<Vec<_>, Error>>()?.into_iter().flatten().collect())
+    let motions = motions(plan.angles_deg.iter().map(|&deg| (plan.angle_length_px, deg)))?;
+    run(
+        pictures,
+        &motions,
+        &plan.angle_methods,
+        plan.seed,
+        |motion| motion.angle().deg(),
+        |method, image, motion| {
+            let found = method.estimate(image)?;
+            Ok((found.angle.minus_deg(motion.angle()), found.std_deg, found.status.doubt().is_none()))
+        },
+    )
 }
 
-/// Measures the length of every picture at every length and level with every length method of the plan, the angle of 0
-/// degrees being given.
+/// Measures the length of every picture at every length and level with every length method of the plan, the angle being
+/// given.
 ///
 /// # Errors
 ///
 /// When the simulator or a method fails on a picture.
 pub fn run_lengths(plan: &Plan, pictures: &[Sharp]) -> Result<Vec<Outcome>, Error> {
-    let per_picture = pictures.par_iter().enumerate().map(|(index, sharp)| {
-        let mut exposer = Exposer::new();
-        let mut estimators: Vec<_> =
-            plan.length_methods.iter().map(|method| (method.name, method.build(&Settings::default()))).collect();
-        let mut outcomes = Vec::new();
-        for (case, &length_px) in plan.lengths_px.iter().enumerate() {
-            let simulation = |source| Error::Simulation { name: sharp.name.clone(), source };
-            let angle = AxialAngle::from_deg(0.0);
-            let motion = Motion::uniform(length_px, angle).map_err(simulation)?;
-            let seed = seed_of(plan, index, 1000 + case);
-            let shots = exposures(&mut exposer, sharp, &motion, seed).map_err(simulation)?;
-            for (level, shot) in shots.iter().enumerate() {
-                for (method, estimator) in &mut estimators {
-                    let found = estimator.estimate(shot.view(), angle).map_err(|source| Error::Estimation {
-                        name: sharp.name.clone(),
-                        method,
-                        source,
-                    })?;
-                    outcomes.push(Outcome {
-                        method,
-                        level,
-                        picture: sharp.name.clone(),
-                        truth: length_px,
-                        error: found.length_px - length_px,
-                        std: found.std_px,
-                        ok: found.status.doubt().is_none(),
-                    });
-                }
-            }
-        }
-        Ok(outcomes)
-    });
-    Ok(per_picture.collect::<Result<Vec<_>, Error>>()?.into_iter().flatten().collect())
+    let motions = motions(plan.lengths_px.iter().map(|&length_px| (length_px, plan.length_angle_deg)))?;
+    // Seeds of their own: far beyond those of the angles.
+    let seed = plan.seed.wrapping_add(1000 * 1009);
+    run(pictures, &motions, &plan.length_methods, seed, Motion::length_px, |method, image, motion| {
+        let found = method.estimate(image, motion.angle())?;
+        Ok((found.length_px - motion.length_px(), found.std_px, found.status.doubt().is_none()))
+    })
 }
 
 /// Absolute errors of one method at the given levels.

@@ -19,6 +19,12 @@ struct Arguments {
     /// Every n-th angle and length only.
     #[arg(long, default_value_t = 1)]
     step: usize,
+    /// Blur length of the angle experiments in pixels.
+    #[arg(long, value_name = "PX", default_value_t = 55.0)]
+    angle_length: f64,
+    /// Angle of the length experiments in degrees; it is given to the methods.
+    #[arg(long, value_name = "DEG", default_value_t = 0.0)]
+    length_angle: f64,
     /// Only the real pictures.
     #[arg(long)]
     real_only: bool,
@@ -62,17 +68,19 @@ fn run(arguments: &Arguments) -> Result<(), Box<dyn std::error::Error>> {
         plan.angle_methods.retain(|method| arguments.method.iter().any(|name| name == method.name));
         plan.length_methods.retain(|method| arguments.method.iter().any(|name| name == method.name));
     }
+    plan.angle_length_px = arguments.angle_length;
+    plan.length_angle_deg = arguments.length_angle;
     let step = arguments.step.max(1);
     plan.angles_deg = plan.angles_deg.into_iter().step_by(step).collect();
     plan.lengths_px = plan.lengths_px.into_iter().step_by(step).collect();
 
     if !arguments.real_only {
         let pictures = data::sharp_pictures(&folder)?;
-        println!("{} pictures; angles {:?} deg at {} px", pictures.len(), plan.angles_deg, protocol::ANGLE_LENGTH_PX);
+        println!("{} pictures; angles {:?} deg at {} px", pictures.len(), plan.angles_deg, plan.angle_length_px);
         let angles = protocol::run_angles(&plan, &pictures)?;
         let names: Vec<_> = plan.angle_methods.iter().map(|method| method.name).collect();
         print_table("angle, deg", &angles, &names, GROSS_DEG, THESIS_ANGLE);
-        println!("\nlengths {:?} px at 0 deg", plan.lengths_px);
+        println!("\nlengths {:?} px at {} deg", plan.lengths_px, plan.length_angle_deg);
         let lengths = protocol::run_lengths(&plan, &pictures)?;
         let names: Vec<_> = plan.length_methods.iter().map(|method| method.name).collect();
         print_table("length, px", &lengths, &names, GROSS_PX, THESIS_LENGTH);

@@ -84,7 +84,7 @@ impl PatternBank {
         if at == 0 || at + 1 == self.lengths_px.len() {
             return best;
         }
-        let gain = |i: usize| gain_of(&self.patterns[i * self.lines..(i + 1) * self.lines], profile, weight, sum);
+        let gain = |i: usize| gain_of(self.pattern(self.lengths_px[i]), profile, weight, sum);
         let (before, after) = (gain(at - 1), gain(at + 1));
         let curvature = before - 2.0 * best.gain + after;
         if curvature >= 0.0 {
@@ -97,9 +97,7 @@ impl PatternBank {
             gain: best.gain - 0.125 * (before - after).powi(2) / curvature,
         }
     }
-}
 
-impl PatternBank {
     /// The pattern of this length of the bank, one value per line of the profile; empty for a length not in the bank.
     pub fn pattern(&self, length_px: f64) -> &[f32] {
         let at = self.lengths_px.iter().position(|&length| length == length_px);

@@ -26,7 +26,8 @@ use crate::{Result, image};
 ///
 /// # Uncertainty
 ///
-/// As [`DftRadon`](super::DftRadon).
+/// As [`DftRadon`](super::DftRadon), and shorter still: 98, 94, 85 and 72 % of the errors at 55 px (clean, 36, 28, 20 dB)
+/// lie within two standard uncertainties, since the overlaid mirror image is not counted.
 ///
 /// # When it fails
 ///

@@ -16,7 +16,8 @@ use crate::projection::PatternBank;
 ///
 /// # Uncertainty
 ///
-/// As [`DftRadon`](super::DftRadon).
+/// As [`DftRadon`](super::DftRadon): 99, 97, 89 and 67 % of the errors at 55 px (clean, 36, 28, 20 dB) lie within two
+/// standard uncertainties.
 ///
 /// # When it fails
 ///

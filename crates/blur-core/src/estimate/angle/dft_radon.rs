@@ -17,8 +17,14 @@ use crate::projection::PatternBank;
 /// # Uncertainty
 ///
 /// The sandwich formula over blocks of bins around the best match, and what sharp pictures may look like as a Type B
-/// contribution. Two standard uncertainties covered 99, 98 and 93 % of the errors on clean pictures and at 36 and 28 dB,
-/// but only 77 % at 20 dB, where the picture's own structure moves the peak. A wrong peak is not covered.
+/// contribution. A wrong peak is not covered. Share of errors within two standard uncertainties, on photographs blurred
+/// by 15, 30, 55 and 90 px:
+///
+/// | clean | 36 dB | 28 dB | 20 dB |
+/// |---|---|---|---|
+/// | 99-100 % | 90, 97, 98, 96 % | 83, 87, 93, 93 % | 65, 69, 77, 79 % |
+///
+/// Short blurs in noise leave few dark lines, and the picture's own structure moves the peak further than is stated.
 ///
 /// # When it fails
 ///

@@ -21,7 +21,9 @@ use crate::{Result, image};
 ///
 /// # Uncertainty
 ///
-/// The scatter of the cepstrum over the curvature of the trough, first order. A wrong trough is not covered.
+/// The scatter of the cepstrum around the trough over the trough's curvature, first order. A wrong trough is not covered.
+/// Of the answers called `ok`, 100, 99-100, 91-96 and 81-82 % (clean, 36, 28, 20 dB) are within two standard
+/// uncertainties, at 0 and at 37 degrees; on clean pictures they are several times too long.
 ///
 /// # When it fails
 ///
