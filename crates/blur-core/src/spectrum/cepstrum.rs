@@ -329,6 +329,25 @@ mod tests {
     }
 
     #[test]
+    fn a_shallow_trough_at_a_shorter_lag_does_not_win() {
+        let (step, length) = (1.0 / 1024.0, 47.7);
+        let log_spectrum: Vec<f64> = (0..512)
+            .map(|k| {
+                let s = (f64::from(k) * step).max(step);
+                let x = PI * length * s;
+                // ln sinc^2 holds -2 cos(2 pi L s) and its overtones; the ripple is a quarter of that, at 12 px.
+                ((x.sin() / x).powi(2) + 1e-3).ln() - 0.5 * (2.0 * PI * 12.0 * s).cos()
+            })
+            .collect();
+        let mut cepstrum = LineCepstrum::new(step, 2.0 * step, 0.4);
+        cepstrum.compute(&log_spectrum);
+        let nearer = cepstrum.deepest_trough(8.0, 20.0).unwrap();
+        assert!((nearer.lag_px - 12.0).abs() < 0.2, "{nearer:?}");
+        let trough = cepstrum.deepest_trough(4.0, 200.0).unwrap();
+        assert!((trough.lag_px - length).abs() < 0.15, "{trough:?}");
+    }
+
+    #[test]
     fn the_line_cepstrum_is_the_naive_cosine_sum_of_the_detrended_samples() {
         let step = 0.01;
         let log_spectrum: Vec<f64> = (0..50).map(|k| f64::from((k * k * 31) % 17)).collect();
