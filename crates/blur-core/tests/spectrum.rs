@@ -1,12 +1,12 @@
-//! `Dct2` and `Dft2` against naive transforms that follow the definitions term by term, in `f64`.
+//! `Dct2`, `Dft2` and its inverse against naive transforms that follow the definitions term by term, in `f64`.
 //!
 //! The naive transforms are proved first, on pairs that are known on paper.
 
 use std::f64::consts::{FRAC_1_SQRT_2, PI, TAU};
 
-use blur_core::spectrum::{Dct2, Dft2};
+use blur_core::spectrum::{Dct2, Dft2, InverseDft2};
 use ndarray::Array2;
-use rustfft::num_complex::Complex64;
+use rustfft::num_complex::{Complex32, Complex64};
 
 /// Rows and columns: powers of two, odd, prime, rectangular both ways, and the degenerate ones.
 const SIZES: [(usize, usize); 17] = [
@@ -231,6 +231,27 @@ fn the_half_that_a_dft_leaves_out_is_its_conjugate() {
         for ((j, k), value) in exact.indexed_iter().filter(|((_, k), _)| *k > columns / 2) {
             let mirrored = half[[(rows - j) % rows, columns - k]].conj();
             assert!((mirrored - value).norm() < 1e-5 * scale, "{dim:?} [{j}, {k}]");
+        }
+    }
+}
+
+#[test]
+fn the_inverse_dft_is_exact_to_rounding_at_every_kind_of_size() {
+    for dim in SIZES {
+        let (rows, columns) = dim;
+        let mut inverse = InverseDft2::new(rows, columns);
+        assert_eq!(inverse.dim(), dim);
+        let picture = random_picture(15, dim).mapv(f64::from);
+        let exact = naive_dft(&picture);
+        // Twice: the first transform destroys what it was given.
+        for _ in 0..2 {
+            for ((j, k), value) in inverse.input().indexed_iter_mut() {
+                *value = Complex32::new(exact[[j, k]].re as f32, exact[[j, k]].im as f32);
+            }
+            let back = inverse.transform();
+            assert_eq!(back.dim(), dim);
+            let error = rms(back.iter().zip(&picture).map(|(&a, b)| f64::from(a) - b)) / rms(picture.iter().copied());
+            assert!(error < MOST_RMS_ERROR, "{dim:?}: {error:e}");
         }
     }
 }

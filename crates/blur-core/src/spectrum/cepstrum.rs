@@ -4,40 +4,26 @@ use std::f64::consts::PI;
 use std::fmt;
 use std::sync::Arc;
 
-use ndarray::{Array2, ArrayView2};
-use realfft::{ComplexToReal, RealFftPlanner, RealToComplex};
+use ndarray::ArrayView2;
+use realfft::{RealFftPlanner, RealToComplex};
 use rustfft::num_complex::{Complex32, Complex64};
-use rustfft::{Fft, FftPlanner};
 
 use super::bins::SpectrumBins;
+use super::dft::InverseDft2;
 
 /// Two-dimensional real cepstrum: the inverse DFT of a log spectrum (thesis eq. 4.9; Bogert 1963).
 ///
 /// A uniform blur multiplies the spectrum by `sinc(L s)`, whose zeros repeat every `1/L` along the motion; in the
 /// cepstrum that is a negative peak at the lag `+-L (cos angle, -sin angle)` pixels in (column, row).
+#[derive(Debug)]
 pub struct Cepstrum {
-    along_row: Arc<dyn ComplexToReal<f32>>,
-    along_column: Arc<dyn Fft<f32>>,
-    half: Array2<Complex32>,
-    column: Vec<Complex32>,
-    scratch: Vec<Complex32>,
-    lags: Array2<f32>,
+    inverse: InverseDft2,
 }
 
 impl Cepstrum {
     /// Cepstra of pictures of `rows` x `columns` pixels.
     pub fn new(rows: usize, columns: usize) -> Self {
-        let along_row = RealFftPlanner::new().plan_fft_inverse(columns);
-        let along_column = FftPlanner::new().plan_fft_inverse(rows);
-        let scratch = along_row.get_scratch_len().max(along_column.get_inplace_scratch_len());
-        Self {
-            along_row,
-            along_column,
-            half: Array2::zeros((rows, columns / 2 + 1)),
-            column: vec![Complex32::default(); rows],
-            scratch: vec![Complex32::default(); scratch],
-            lags: Array2::zeros((rows, columns)),
-        }
+        Self { inverse: InverseDft2::new(rows, columns) }
     }
 
     /// The cepstrum of log-spectrum values on the half plane of a DFT; bins outside their band count as 0.
@@ -45,49 +31,20 @@ impl Cepstrum {
     /// Element `[j, k]` is the lag of `j` rows and `k` columns, both modulo the picture's size:
     /// `c = 1/(M N) sum value exp(2 pi i (...))` over the whole plane.
     pub fn of_half_plane(&mut self, bins: &SpectrumBins) -> ArrayView2<'_, f32> {
-        let (rows, columns) = self.lags.dim();
-        self.half.fill(Complex32::default());
+        let (rows, _) = self.inverse.dim();
+        let half = self.inverse.input();
+        half.fill(Complex32::default());
         for row in &bins.rows {
             for (i, &value) in bins.values[row.start..row.start + row.length].iter().enumerate() {
                 let column = row.first_column + i;
-                self.half[[row.source_row, column]].re = value;
+                half[[row.source_row, column]].re = value;
                 // The axis column holds only v > 0; its other half is the mirror image.
                 if column == 0 {
-                    self.half[[(rows - row.source_row) % rows, 0]].re = value;
+                    half[[(rows - row.source_row) % rows, 0]].re = value;
                 }
             }
         }
-        for mut column in self.half.columns_mut() {
-            for (copy, &value) in self.column.iter_mut().zip(&column) {
-                *copy = value;
-            }
-            self.along_column.process_with_scratch(&mut self.column, &mut self.scratch);
-            for (value, &copy) in column.iter_mut().zip(&self.column) {
-                *value = copy;
-            }
-        }
-        let scale = 1.0 / (rows * columns) as f32;
-        if let (Some(half), Some(lags)) = (self.half.as_slice_mut(), self.lags.as_slice_mut()) {
-            for (input, out) in half.chunks_exact_mut(columns / 2 + 1).zip(lags.chunks_exact_mut(columns)) {
-                // A real row needs real first and Nyquist bins; rounding leaves an imaginary speck.
-                input[0].im = 0.0;
-                if columns % 2 == 0 {
-                    input[columns / 2].im = 0.0;
-                }
-                let done = self.along_row.process_with_scratch(input, out, &mut self.scratch);
-                debug_assert!(done.is_ok());
-                for value in out {
-                    *value *= scale;
-                }
-            }
-        }
-        self.lags.view()
-    }
-}
-
-impl fmt::Debug for Cepstrum {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.debug_struct("Cepstrum").field("dim", &self.lags.dim()).finish_non_exhaustive()
+        self.inverse.transform()
     }
 }
 

@@ -16,5 +16,5 @@ pub use bins::SpectrumBins;
 pub use cepstrum::{Cepstrum, LineCepstrum, Trough};
 pub use collapse::Collapsed;
 pub use dct::Dct2;
-pub use dft::Dft2;
+pub use dft::{Dft2, InverseDft2};
 pub use level::Levelled;
