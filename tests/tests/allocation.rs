@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used, reason = "a picture that cannot be made or measured fails the test")]
 
 use allocation_counter::measure;
-use blur_core::estimate::registry::{ANGLE, LENGTH};
+use blur_core::estimate::registry::{ANGLE, JOINT, LENGTH};
 use blur_core::estimate::{AxialAngle, JointEstimator, KnownAngle, Pair, Settings};
 use blur_sim::expose::expose_padded;
 use blur_sim::motion::Motion;
@@ -87,6 +87,22 @@ fn length_methods_allocate_only_for_the_first_picture_of_a_size_whatever_the_ang
                         assert_eq!(count, 0, "{} {dim:?} picture {i} at {deg} after {first_deg}", method.name);
                     }
                 }
+            }
+        }
+    }
+}
+
+#[test]
+fn joint_methods_allocate_only_for_the_first_picture_of_a_size() {
+    for dim in SIZES {
+        let pictures = pictures(dim);
+        for method in JOINT {
+            let mut estimator = method.build(&Settings::default());
+            estimator.estimate(pictures[0].view()).unwrap();
+            for (i, picture) in pictures.iter().enumerate() {
+                let (found, count) = allocations(|| estimator.estimate(picture.view()));
+                found.unwrap();
+                assert_eq!(count, 0, "{} {dim:?} picture {i}", method.name);
             }
         }
     }

@@ -3,8 +3,8 @@
 
 use std::sync::LazyLock;
 
-use blur_core::estimate::registry::{self, ANGLE, LENGTH};
-use blur_core::estimate::{AxialAngle, JointEstimator, Pair, Settings};
+use blur_core::estimate::registry::{self, ANGLE, JOINT, LENGTH};
+use blur_core::estimate::{AxialAngle, Doubt, JointEstimator, LengthRange, Pair, Settings, Status};
 use blur_sim::expose::expose;
 use blur_sim::motion::Motion;
 use blur_sim::scene::{DeadLeaves, dead_leaves};
@@ -76,6 +76,25 @@ fn assert_lengths(method: &str, most_px: impl Fn(f64) -> f64) {
     assert!(misses.is_empty(), "{method} misses:\n{}", misses.join("\n"));
 }
 
+/// As [`assert_directions`] for a joint method: the bounds are `most_deg(length)` and `most_px(length)`.
+fn assert_blurs(method: &str, most_deg: impl Fn(f64) -> f64, most_px: impl Fn(f64) -> f64) {
+    let mut estimator = registry::joint(method).unwrap().build(&Settings::default());
+    let mut misses = Vec::new();
+    for Shot { image, deg, length_px } in SHOTS.iter() {
+        let found = estimator.estimate(image.view()).unwrap();
+        let off_deg = found.angle.minus_deg(AxialAngle::from_deg(*deg));
+        let off_px = found.length_px - length_px;
+        if off_deg.abs() > most_deg(*length_px) || off_px.abs() > most_px(*length_px) {
+            misses.push(format!(
+                "{:?} {deg} deg {length_px} px: {off_deg:+.2} deg {off_px:+.2} px {:?}",
+                image.dim(),
+                found.status
+            ));
+        }
+    }
+    assert!(misses.is_empty(), "{method} misses:\n{}", misses.join("\n"));
+}
+
 // A direction wrong by 1 degree moves the end of the longer blur by 0.6 pixels: clean pictures allow no more. The
 // methods that place a peak between directions or lags reach a third of that.
 
@@ -132,12 +151,20 @@ fn dft_radon_finds_every_length() {
 }
 
 #[test]
+fn phase_autocorrelation_finds_every_blur() {
+    // A paraboloid places the peak to a quarter of a pixel on the grid of lags, along and across.
+    assert_blurs("phase-autocorrelation", |length_px| (0.25 / length_px).to_degrees(), |_| 0.25);
+}
+
+#[test]
 fn every_method_has_a_bound_here() {
     // A new method must be added above.
     let angles: Vec<_> = ANGLE.iter().map(|method| method.name).collect();
     assert_eq!(angles, ["dft-radon", "dct-radon", "dct-hough", "dft-hough", "dft-cepstrum", "dft-gabor"]);
     let lengths: Vec<_> = LENGTH.iter().map(|method| method.name).collect();
     assert_eq!(lengths, ["dct-pseudo-cepstrum", "autocorrelation", "dft-cepstrum", "dft-radon"]);
+    let joint: Vec<_> = JOINT.iter().map(|method| method.name).collect();
+    assert_eq!(joint, ["phase-autocorrelation"]);
 }
 
 /// The picture in a mirror that exchanges left and right: a motion at `angle` is then one at `180 - angle`.
@@ -218,6 +245,64 @@ fn lengths_stay_when_the_picture_turns() {
 }
 
 #[test]
+fn phase_autocorrelation_calls_wrong_answers_doubtful() {
+    let mut estimator = registry::joint("phase-autocorrelation").unwrap().build(&Settings::default());
+    let mut doubtful = 0;
+    for (seed, psnr_db) in (600..).zip([36.0, 28.0, 20.0, 5.0]) {
+        for deg in ANGLES_DEG {
+            let sensor = Sensor::ideal().with_psnr_db(psnr_db).unwrap();
+            let Shot { image, .. } = shot(sensor, seed, (256, 256), deg, 25.0);
+            let found = estimator.estimate(image.view()).unwrap();
+            let right =
+                found.angle.distance_deg(AxialAngle::from_deg(deg)) < 2.0 && (found.length_px - 25.0).abs() < 1.0;
+            assert!(right || found.status != Status::Ok, "{psnr_db} dB {deg}: {found:?}");
+            doubtful += u32::from(found.status != Status::Ok);
+        }
+    }
+    // Nobody measures anything at 5 dB.
+    assert!(doubtful >= 11, "{doubtful}");
+}
+
+#[test]
+fn phase_autocorrelation_refuses_the_ends_of_its_range() {
+    let Shot { image, .. } = shot(Sensor::ideal(), 610, (256, 256), 0.0, 35.0);
+    let measured = |min_px: f64, max_px: f64| {
+        let mut settings = Settings::default();
+        settings.length_range = Some(LengthRange::new(min_px, max_px).unwrap());
+        registry::joint("phase-autocorrelation").unwrap().build(&settings).estimate(image.view()).unwrap()
+    };
+    for (min_px, max_px) in [(10.0, 35.2), (34.8, 100.0)] {
+        let found = measured(min_px, max_px);
+        assert!(matches!(found.status.doubt(), Some(Doubt::LengthAtRangeEnd { .. })), "{found:?}");
+    }
+    assert_eq!(measured(10.0, 100.0).status, Status::Ok);
+    // The true length outside: the other lags are no blur.
+    assert_ne!(measured(10.0, 25.0).status, Status::Ok);
+    assert_ne!(measured(50.0, 100.0).status, Status::Ok);
+    // No lag of half the picture or more.
+    assert_eq!(measured(200.0, 300.0).status, Status::NoMotionBlur(Doubt::NoPattern));
+}
+
+#[test]
+fn joint_methods_turn_and_mirror_with_the_picture() {
+    for method in JOINT {
+        let mut estimator = method.build(&Settings::default());
+        for Shot { image, deg, .. } in SHOTS.iter() {
+            let here = estimator.estimate(image.view()).unwrap();
+            let name = format!("{} {deg} {:?}", method.name, image.dim());
+            for (view, expected_deg) in
+                [(mirrored(image), 180.0 - here.angle.deg()), (turned(image), here.angle.deg() + 90.0)]
+            {
+                let there = estimator.estimate(view).unwrap();
+                let miss = there.angle.distance_deg(AxialAngle::from_deg(expected_deg));
+                assert!(miss < SYMMETRY_DEG, "{name}: {here:?} {there:?}");
+                assert!((here.length_px - there.length_px).abs() < 0.1, "{name}: {here:?} {there:?}");
+            }
+        }
+    }
+}
+
+#[test]
 fn a_pair_finds_direction_and_length() {
     let settings = Settings::default();
     for angle in ANGLE {
@@ -263,6 +348,11 @@ fn noise_never_costs_more_than_the_answer() {
                 let mut estimator = method.build(&Settings::default());
                 let found = estimator.estimate(image.view(), AxialAngle::from_deg(deg)).unwrap();
                 // No longer than the picture's diagonal.
+                assert!((2.0..257.0).contains(&found.length_px), "{} {psnr_db} dB: {found:?}", method.name);
+            }
+            for method in JOINT {
+                let found = method.build(&Settings::default()).estimate(image.view()).unwrap();
+                assert!((0.0..180.0).contains(&found.angle.deg()), "{} {psnr_db} dB: {found:?}", method.name);
                 assert!((2.0..257.0).contains(&found.length_px), "{} {psnr_db} dB: {found:?}", method.name);
             }
         }

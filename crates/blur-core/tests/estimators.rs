@@ -2,9 +2,10 @@
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a picture that cannot be measured fails the test")]
 
 use blur_core::Error;
-use blur_core::estimate::registry::{ANGLE, LENGTH};
+use blur_core::estimate::registry::{ANGLE, JOINT, LENGTH};
 use blur_core::estimate::{
-    AngleEstimate, AngleEstimator, AxialAngle, LengthEstimate, LengthEstimator, LengthRange, Settings,
+    AngleEstimate, AngleEstimator, AxialAngle, JointEstimator, LengthEstimate, LengthEstimator, LengthRange,
+    MotionBlur, Settings,
 };
 use blur_core::image::Window;
 use ndarray::{Array2, ArrayView2, Axis, Slice};
@@ -65,8 +66,15 @@ fn length_methods() -> impl Iterator<Item = (&'static str, Box<dyn LengthEstimat
     LENGTH.iter().map(|method| (method.name, method.build(&Settings::default())))
 }
 
+fn joint_methods() -> impl Iterator<Item = (&'static str, Box<dyn JointEstimator>)> {
+    JOINT.iter().map(|method| (method.name, method.build(&Settings::default())))
+}
+
 /// All methods on one picture.
-fn measured(image: ArrayView2<'_, f32>, settings: &Settings) -> (Vec<AngleEstimate>, Vec<LengthEstimate>) {
+fn measured(
+    image: ArrayView2<'_, f32>,
+    settings: &Settings,
+) -> (Vec<AngleEstimate>, Vec<LengthEstimate>, Vec<MotionBlur>) {
     let angles = ANGLE.iter().map(|method| method.build(settings).estimate(image).unwrap()).collect();
     let lengths = LENGTH
         .iter()
@@ -75,7 +83,8 @@ fn measured(image: ArrayView2<'_, f32>, settings: &Settings) -> (Vec<AngleEstima
             angles_deg().map(move |deg| estimator.estimate(image, AxialAngle::from_deg(deg)).unwrap())
         })
         .collect();
-    (angles, lengths)
+    let joint = JOINT.iter().map(|method| method.build(settings).estimate(image).unwrap()).collect();
+    (angles, lengths, joint)
 }
 
 /// Numbers only, in every field, those of a doubt included.
@@ -98,6 +107,16 @@ fn assert_answers(image: ArrayView2<'_, f32>, settings: &Settings) {
             assert!(is_number(format!("{found:?}")), "{} at {deg}: {found:?}", method.name);
         }
     }
+    for method in JOINT {
+        let found = method.build(settings).estimate(image);
+        let found = found.unwrap_or_else(|error| panic!("{}: {error}", method.name));
+        assert!((0.0..180.0).contains(&found.angle.deg()), "{}: {found:?}", method.name);
+        assert!(found.length_px > 0.0, "{}: {found:?}", method.name);
+        assert!(found.angle_std_deg.is_none_or(|std| std >= 0.0), "{}: {found:?}", method.name);
+        assert!(found.length_std_px.is_none_or(|std| std >= 0.0), "{}: {found:?}", method.name);
+        assert!(found.correlation.is_none_or(|r| (-1.0..=1.0).contains(&r)), "{}: {found:?}", method.name);
+        assert!(is_number(format!("{found:?}")), "{}: {found:?}", method.name);
+    }
 }
 
 /// Every method refuses `image`, with the same error.
@@ -105,7 +124,8 @@ fn refusals(image: ArrayView2<'_, f32>) -> Vec<Error> {
     let axis = AxialAngle::from_deg(20.0);
     let angles = angle_methods().map(|(_, mut estimator)| estimator.estimate(image).unwrap_err());
     let lengths = length_methods().map(|(_, mut estimator)| estimator.estimate(image, axis).unwrap_err());
-    angles.chain(lengths).collect()
+    let joint = joint_methods().map(|(_, mut estimator)| estimator.estimate(image).unwrap_err());
+    angles.chain(lengths).chain(joint).collect()
 }
 
 #[test]
@@ -161,6 +181,11 @@ fn an_estimator_that_refused_a_picture_measures_the_next() {
         let before = estimator.estimate(image.view(), axis).unwrap();
         estimator.estimate(Array2::from_elem((64, 64), 1.0).view(), axis).unwrap_err();
         assert_eq!(estimator.estimate(image.view(), axis).unwrap(), before, "{name}");
+    }
+    for (name, mut estimator) in joint_methods() {
+        let before = estimator.estimate(image.view()).unwrap();
+        estimator.estimate(Array2::from_elem((64, 64), 1.0).view()).unwrap_err();
+        assert_eq!(estimator.estimate(image.view()).unwrap(), before, "{name}");
     }
 }
 
@@ -326,16 +351,20 @@ fn scale_and_offset_of_the_grey_values_do_not_matter() {
     // The grey values are integers up to 255: rounding a x + b moves them by 2^-24 of their greatest value, b
     // included, which is some 1e-5 of their contrast here.
     for image in blurred() {
-        let (angles, lengths) = measured(image.view(), &Settings::default());
+        let (angles, lengths, joint) = measured(image.view(), &Settings::default());
         for (scale, offset) in [(1.0 / 255.0, 0.0), (3.7, 100.0), (257.0, -3000.0), (1.0, 1000.0)] {
             let affine = image.mapv(|pixel| scale * pixel + offset);
-            let (affine_angles, affine_lengths) = measured(affine.view(), &Settings::default());
+            let (affine_angles, affine_lengths, affine_joint) = measured(affine.view(), &Settings::default());
             for ((method, a), b) in ANGLE.iter().zip(&angles).zip(&affine_angles) {
                 let distance = a.angle.distance_deg(b.angle);
                 assert!(distance < 0.02, "{} {scale} {offset}: {a:?} {b:?}", method.name);
             }
             for (a, b) in lengths.iter().zip(&affine_lengths) {
                 assert!((a.length_px - b.length_px).abs() < 0.01, "{scale} {offset}: {a:?} {b:?}");
+            }
+            for ((method, a), b) in JOINT.iter().zip(&joint).zip(&affine_joint) {
+                let close = a.angle.distance_deg(b.angle) < 0.02 && (a.length_px - b.length_px).abs() < 0.01;
+                assert!(close, "{} {scale} {offset}: {a:?} {b:?}", method.name);
             }
         }
     }
@@ -360,6 +389,12 @@ fn what_was_measured_before_does_not_matter() {
             }
         }
     }
+    for (i, (name, mut estimator)) in joint_methods().enumerate() {
+        for at in order {
+            let fresh = JOINT[i].build(&Settings::default()).estimate(images[at].view());
+            assert_eq!(estimator.estimate(images[at].view()), fresh, "{name}");
+        }
+    }
 }
 
 #[test]
@@ -371,6 +406,9 @@ fn every_method_is_found_by_its_name_and_no_other() {
     for method in LENGTH {
         assert_eq!(registry::length(method.name).unwrap().name, method.name);
     }
+    for method in JOINT {
+        assert_eq!(registry::joint(method.name).unwrap().name, method.name);
+    }
     for name in ["", "DCT-RADON", "dct-radon ", "no-such-method"] {
         let error = registry::angle(name).unwrap_err();
         assert!(
@@ -378,5 +416,6 @@ fn every_method_is_found_by_its_name_and_no_other() {
             "{error}"
         );
         assert!(registry::length(name).is_err());
+        assert!(registry::joint(name).is_err());
     }
 }

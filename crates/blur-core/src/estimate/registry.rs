@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use super::{AngleEstimator, JointEstimator, LengthEstimator, Settings, angle, length};
+use super::{AngleEstimator, JointEstimator, LengthEstimator, Settings, angle, joint, length};
 use crate::{Error, Result};
 
 /// One entry of a registry: a method that builds an estimator `E` (a boxed trait object).
@@ -86,7 +86,11 @@ pub const LENGTH: &[Method<Box<dyn LengthEstimator>>] = &[
 ];
 
 /// Methods that fit angle and length together.
-pub const JOINT: &[Method<Box<dyn JointEstimator>>] = &[];
+pub const JOINT: &[Method<Box<dyn JointEstimator>>] = &[Method {
+    name: "phase-autocorrelation",
+    summary: "peak of the autocorrelation of the phase-only image",
+    build: |settings| Box::new(joint::PhaseAutocorrelation::new(settings)),
+}];
 
 /// The angle method called `name`.
 pub fn angle(name: &str) -> Result<&'static Method<Box<dyn AngleEstimator>>> {

@@ -64,6 +64,13 @@ pub enum Doubt {
         /// Least contrast of a trusted peak.
         needed: f64,
     },
+    /// Another lag, of another direction or length, explains the picture nearly as well as the one found.
+    RivalLag {
+        /// Contrast of the best other lag relative to the one found.
+        share: f64,
+        /// Largest share at which an answer is trusted.
+        most: f64,
+    },
     /// The length found is an end of the range searched, so the true one may lie outside.
     LengthAtRangeEnd {
         /// The length found in pixels.
@@ -87,6 +94,9 @@ impl fmt::Display for Doubt {
             Self::NoPattern => write!(f, "no pattern of a motion blur in the spectrum"),
             Self::WeakLengthPeak { contrast, needed } => {
                 write!(f, "weak length peak: contrast {contrast:.1}, {needed:.1} needed")
+            }
+            Self::RivalLag { share, most } => {
+                write!(f, "another lag is nearly as good: {share:.2} of the best contrast, at most {most:.2} allowed")
             }
             Self::LengthAtRangeEnd { length_px, min_px, max_px } => {
                 write!(f, "length {length_px:.1} px is an end of the range {min_px:.1}..{max_px:.1} px searched")

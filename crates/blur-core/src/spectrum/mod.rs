@@ -11,6 +11,7 @@ mod dft;
 mod level;
 mod log;
 mod noise;
+mod phase;
 
 pub use bins::SpectrumBins;
 pub use cepstrum::{Cepstrum, LineCepstrum, Trough};
@@ -18,3 +19,4 @@ pub use collapse::Collapsed;
 pub use dct::Dct2;
 pub use dft::{Dft2, InverseDft2};
 pub use level::Levelled;
+pub use phase::PhaseOnly;

@@ -25,7 +25,7 @@ fn range_along(settings: &Settings, (rows, columns): (usize, usize), angle: Axia
 const AT_END: f64 = 0.01;
 
 /// `status`, or a worse one when the length found is an end of the range searched.
-fn status_in(range: LengthRange, length_px: f64, status: Status) -> Status {
+pub(super) fn status_in(range: LengthRange, length_px: f64, status: Status) -> Status {
     let at_end = length_px < range.min_px() * (1.0 + AT_END) || length_px > range.max_px() * (1.0 - AT_END);
     let doubt = Doubt::LengthAtRangeEnd { length_px, min_px: range.min_px(), max_px: range.max_px() };
     if at_end { status.worse(Status::LowConfidence(doubt)) } else { status }
