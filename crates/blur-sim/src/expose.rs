@@ -27,8 +27,8 @@ const FADE_PX: usize = 32;
 
 /// What an exposure does to every point of a scene: a linear blur, the same everywhere, given by its transfer function.
 pub trait Blur {
-    /// Rows and columns that the exposure costs: the size of the kernel, rounded up. A picture of `rows` x `cols` pixels
-    /// needs a scene that is larger by this much.
+    /// Rows and columns that the exposure costs: the size of the kernel, rounded up. A picture of `rows` x `cols`
+    /// pixels needs a scene that is larger by this much.
     fn extent_px(&self) -> (usize, usize);
 
     /// The transfer function of `u` (along columns) and `v` (along rows, downwards) in cycles per pixel, each within
