@@ -1,6 +1,7 @@
 //! The one error type of the crate.
 
 use std::io;
+use std::path::PathBuf;
 
 use thiserror::Error;
 
@@ -131,6 +132,14 @@ pub enum Error {
         text: String,
         /// What it should be.
         expected: &'static str,
+    },
+    /// Something went wrong with one file of many.
+    #[error("{}: {source}", .path.display())]
+    InFile {
+        /// The file or folder.
+        path: PathBuf,
+        /// What went wrong.
+        source: Box<Error>,
     },
     /// The worker threads could not be started.
     #[error("cannot start the worker threads: {0}")]
