@@ -164,7 +164,8 @@ pub(super) mod tests {
     #[test]
     fn either_error_makes_an_answer_gross() {
         assert!(!outcome(4.9, -3.9).is_gross());
-        assert!(outcome(-5.1, 0.0).is_gross() && outcome(0.0, 4.1).is_gross());
+        assert!(outcome(-5.1, 0.0).is_gross() && outcome(5.1, 0.0).is_gross());
+        assert!(outcome(0.0, 4.1).is_gross() && outcome(0.0, -4.1).is_gross());
     }
 
     #[test]
