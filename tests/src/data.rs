@@ -3,8 +3,8 @@
 
 use std::path::{Path, PathBuf};
 
-use blur_cli::picture::{self, Linearize};
-use ndarray::Array2;
+use blur_cli::reproduce::pictures::FOLDER_VARIABLE;
+pub use blur_cli::reproduce::pictures::{Sharp, sharp_pictures};
 
 /// The data folder, `None` when this machine does not have it.
 ///
@@ -12,7 +12,7 @@ use ndarray::Array2;
 ///
 /// When `BLUR_REQUIRE_DATA` is set, as in continuous integration, and there is no data: then nothing may be skipped.
 pub fn folder() -> Option<PathBuf> {
-    let folder = std::env::var_os("BLUR_DATA")
+    let folder = std::env::var_os(FOLDER_VARIABLE)
         .map_or_else(|| Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/data"), PathBuf::from);
     if folder.is_dir() {
         return Some(folder);
@@ -24,37 +24,6 @@ pub fn folder() -> Option<PathBuf> {
     );
     eprintln!("SKIPPED: no data in {} (set BLUR_DATA to the folder)", folder.display());
     None
-}
-
-/// A sharp picture to blur.
-#[derive(Debug, Clone)]
-pub struct Sharp {
-    /// File name.
-    pub name: String,
-    /// Luma on the 0..255 scale.
-    pub luma: Array2<f64>,
-}
-
-/// All pictures of `kodak` and `skimage`, sorted by folder and name.
-///
-/// # Errors
-///
-/// When a folder or a picture cannot be read.
-pub fn sharp_pictures(folder: &Path) -> Result<Vec<Sharp>, blur_cli::Error> {
-    let inputs = blur_cli::input::expand(&[folder.join("kodak"), folder.join("skimage")]);
-    let mut pictures = Vec::new();
-    for input in inputs {
-        match input {
-            blur_cli::input::Input::File(path) => {
-                let luma = picture::read(&path, Linearize::Off)?.luma.mapv(f64::from);
-                let name = path.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
-                pictures.push(Sharp { name, luma });
-            }
-            blur_cli::input::Input::Failed { error, .. } => return Err(error),
-            blur_cli::input::Input::Sample => {}
-        }
-    }
-    Ok(pictures)
 }
 
 /// A frame of `real_phone` with the blur that its gyroscope tells.

@@ -1,5 +1,4 @@
-//! What the end-to-end tests and the accuracy tables share: the measured data, the protocol, its statistics.
+//! What the end-to-end tests and the accuracy tables share: the measured data and the protocol.
 
 pub mod data;
 pub mod protocol;
-pub mod statistics;

@@ -6,21 +6,18 @@
 
 use std::ops::RangeInclusive;
 
+use blur_cli::reproduce::shots;
 use blur_core::estimate::registry::{self, Method};
 use blur_core::estimate::{AngleEstimator, AxialAngle, LengthEstimator, Settings};
 use blur_sim::expose::Exposer;
 use blur_sim::motion::Motion;
-use blur_sim::sensor::{Sensor, f32_from_u8};
-use ndarray::{Array2, ArrayView2};
+use ndarray::ArrayView2;
 use rayon::prelude::*;
 use thiserror::Error;
 
 use crate::data::Sharp;
 
-/// PSNR in dB of each level; `None` is clean, rounded only.
-pub const LEVELS: [Option<f64>; 4] = [None, Some(36.0), Some(28.0), Some(20.0)];
-/// Longest side of the pictures measured.
-pub const SIDE_PX: usize = 512;
+pub use blur_cli::reproduce::shots::LEVELS;
 
 /// What can go wrong in a run of the protocol.
 #[derive(Debug, Error)]
@@ -100,28 +97,6 @@ impl Plan {
     }
 }
 
-/// Blurs `sharp` and records it at each level: 8-bit values as `f32`.
-fn exposures(
-    exposer: &mut Exposer,
-    sharp: &Sharp,
-    motion: &Motion,
-    seed: u64,
-) -> Result<Vec<Array2<f32>>, blur_sim::Error> {
-    let blurred = exposer.expose(sharp.luma.view(), motion)?;
-    let (rows, columns) = blurred.dim();
-    let n = SIDE_PX.min(rows).min(columns);
-    let (top, left) = ((rows - n) / 2, (columns - n) / 2);
-    let square = Array2::from_shape_fn((n, n), |(r, c)| blurred[[top + r, left + c]]);
-    LEVELS
-        .iter()
-        .enumerate()
-        .map(|(level, psnr)| {
-            let sensor = psnr.map_or_else(|| Ok(Sensor::ideal()), |db| Sensor::ideal().with_psnr_db(db))?;
-            Ok(f32_from_u8(sensor.record(square.view(), seed.wrapping_mul(4).wrapping_add(level as u64))?.view()))
-        })
-        .collect()
-}
-
 /// What a method says of one picture: signed error, standard uncertainty, whether it called its answer `ok`.
 type Answer = (f64, Option<f64>, bool);
 
@@ -143,7 +118,7 @@ fn run<E>(
             let mut outcomes = Vec::new();
             for (case, motion) in motions.iter().enumerate() {
                 let seed = seed.wrapping_add(index as u64 * 100_003).wrapping_add(case as u64 * 1009);
-                let shots = exposures(&mut exposer, sharp, motion, seed)
+                let shots = shots::shots(&mut exposer, sharp.luma.view(), motion, &LEVELS, seed)
                     .map_err(|source| Error::Simulation { name: sharp.name.clone(), source })?;
                 for (level, shot) in shots.iter().enumerate() {
                     for (method, estimator) in &mut estimators {

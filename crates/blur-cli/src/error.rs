@@ -1,6 +1,7 @@
 //! The one error type of the crate.
 
 use std::io;
+use std::path::PathBuf;
 
 use thiserror::Error;
 
@@ -132,6 +133,47 @@ pub enum Error {
         /// What it should be.
         expected: &'static str,
     },
+    /// Something went wrong with one file of many.
+    #[error("{}: {source}", .path.display())]
+    InFile {
+        /// The file or folder.
+        path: PathBuf,
+        /// What went wrong.
+        source: Box<Error>,
+    },
+    /// No picture is left to be blurred.
+    #[error("no picture is left to be measured")]
+    NoSharpPicture,
+    /// A picture of known truth could not be made.
+    #[error("{image}: {source}")]
+    Simulating {
+        /// The sharp picture.
+        image: String,
+        /// Why.
+        source: blur_sim::Error,
+    },
+    /// A method refused a picture of known truth.
+    #[error("{image}: {source}")]
+    Measuring {
+        /// The picture.
+        image: String,
+        /// Why.
+        source: blur_core::Error,
+    },
+    /// There is no table of this name.
+    #[error("there is no table called '{name}'; known: {known}")]
+    UnknownTable {
+        /// The name asked for.
+        name: String,
+        /// What may be asked for.
+        known: String,
+    },
+    /// A row could not be written as JSON.
+    #[error("cannot be written as JSON: {0}")]
+    Json(#[from] serde_json::Error),
+    /// A plot cannot be written.
+    #[error("cannot be written: {0}")]
+    Write(#[source] io::Error),
     /// The worker threads could not be started.
     #[error("cannot start the worker threads: {0}")]
     Threads(#[from] rayon::ThreadPoolBuildError),

@@ -5,6 +5,7 @@
 //! [`input`] (files, folders, patterns) → [`picture`] (decode, luma, orientation; with [`exif`]) → [`measure`]
 //! (options, estimator, record; with [`method`]) → [`pipeline`] (many pictures on several threads, results in order) →
 //! [`record`] (JSON) and [`text`] (for people). [`units`] reads quantities such as `1/250s` and `0.7789mm/px`.
+//! [`reproduce`] judges the methods on pictures of known truth.
 //!
 //! Nothing here prints or ends the process; only the programs in `src/bin` do.
 
@@ -16,6 +17,7 @@ pub mod method;
 pub mod picture;
 pub mod pipeline;
 pub mod record;
+pub mod reproduce;
 pub mod sample;
 pub mod text;
 pub mod units;

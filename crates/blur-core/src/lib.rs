@@ -3,7 +3,7 @@
 //! Pure computation: no files, no threads, no printing. The modules are the path that the data takes:
 //!
 //! [`image`] (grey, window, crop, rotate) → [`spectrum`] (DCT, DFT, cepstrum) → [`projection`] (Radon, Hough) →
-//! [`psf`] (uniform, accelerated) → [`estimate`] (angle, length, joint: one file per method) → [`camera`] (pinhole,
+//! [`psf`] (uniform, accelerated, out of focus) → [`estimate`] (angle, length, joint: one file per method) → [`camera`] (pinhole,
 //! scale) → [`motion`] (speed).
 //!
 //! # Conventions

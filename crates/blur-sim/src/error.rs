@@ -41,13 +41,13 @@ pub enum Error {
         /// Its value.
         value: f64,
     },
-    /// The motion is as long as the scene: no pixel sees only the scene.
-    #[error("a blur of {length_px} px at {angle_deg} degrees leaves nothing of a scene of {cols}x{rows} pixels")]
+    /// The blur is as large as the scene: no pixel sees only the scene.
+    #[error("a blur over {blur_cols}x{blur_rows} pixels leaves nothing of a scene of {cols}x{rows} pixels")]
     BlurTooLong {
-        /// Length of the motion in pixels.
-        length_px: f64,
-        /// Its direction in degrees.
-        angle_deg: f64,
+        /// Rows that the blur reaches over.
+        blur_rows: usize,
+        /// Columns that the blur reaches over.
+        blur_cols: usize,
         /// Rows of the scene.
         rows: usize,
         /// Columns of the scene.

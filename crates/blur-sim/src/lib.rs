@@ -1,8 +1,8 @@
 //! Synthetic motion-blurred pictures with known truth.
 //!
-//! The modules are the path of the light: a sharp [`scene`], a [`motion`] of it over the sensor, the [`expose`]d
-//! picture, and what the [`sensor`] makes of it. [`rng`] feeds them all: a seed gives the same picture on every
-//! machine. [`sample`] puts them together once.
+//! The modules are the path of the light: a sharp [`scene`], a [`motion`] of it over the sensor (or a [`defocus`]), the
+//! [`expose`]d picture, and what the [`sensor`] makes of it. [`rng`] feeds them all: a seed gives the same picture on
+//! every machine. [`sample`] puts them together once.
 //!
 //! # Conventions
 //!
@@ -17,6 +17,7 @@
 //! see nothing but the scene are kept.
 
 mod check;
+pub mod defocus;
 mod error;
 pub mod expose;
 pub mod motion;

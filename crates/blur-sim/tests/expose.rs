@@ -225,7 +225,7 @@ fn an_exposer_answers_the_same_whatever_it_did_before() {
 fn scenes_that_cannot_be_exposed_are_refused() {
     let blur = motion(20.0, 0.0, 0.0);
     let refused = expose(Array2::zeros((30, 20)).view(), &blur).unwrap_err();
-    assert_eq!(refused, Error::BlurTooLong { length_px: 20.0, angle_deg: 0.0, rows: 30, cols: 20 });
+    assert_eq!(refused, Error::BlurTooLong { blur_rows: 0, blur_cols: 20, rows: 30, cols: 20 });
     assert_eq!(expose(Array2::zeros((30, 21)).view(), &blur).unwrap().dim(), (30, 1));
     assert!(matches!(expose_padded(Array2::zeros((30, 19)).view(), &blur), Err(Error::BlurTooLong { .. })));
     assert!(matches!(expose(Array2::zeros((0, 50)).view(), &blur), Err(Error::Size { rows: 0, cols: 50, .. })));

@@ -4,11 +4,12 @@
 use std::process::ExitCode;
 
 use blur_cli::picture::{self, Linearize};
+use blur_cli::reproduce::shots;
+use blur_cli::reproduce::statistics::Summary;
 use blur_core::estimate::{JointEstimator, Pair, Settings, registry};
 use clap::Parser;
 use e2e_tests::data;
 use e2e_tests::protocol::{self, LEVELS, Outcome, Plan};
-use e2e_tests::statistics::Summary;
 
 /// Accuracy of the registered methods on synthetic and real pictures.
 #[derive(Debug, Parser)]
@@ -97,7 +98,7 @@ fn run(arguments: &Arguments) -> Result<(), Box<dyn std::error::Error>> {
 }
 
 fn level_name(level: usize) -> String {
-    LEVELS[level].map_or_else(|| "clean".to_owned(), |db| format!("{db:.0} dB"))
+    shots::level_name(LEVELS[level])
 }
 
 fn print_gross(outcome: &Outcome, unit: &str) {

@@ -1,4 +1,5 @@
-//! Models of the blur kernel of a linear motion: uniform and uniformly accelerated, in space and in frequency.
+//! Models of the blur kernel of a linear motion, uniform and uniformly accelerated, in space and in frequency; and of
+//! what is easily taken for one, a lens out of focus ([`DiskBlur`]).
 //!
 //! A point of the scene that runs along `s(t)` during the exposure spreads its light over the path with the density
 //! `l(s) = 1 / (T v(s))` (thesis eq. 3.11): the **PSF** of the motion. Its Fourier transform is the **transfer
@@ -29,12 +30,14 @@
 mod accelerated;
 mod bessel;
 mod chirp;
+mod disk;
 mod fresnel;
 mod raster;
 mod uniform;
 
 pub use accelerated::AcceleratedBlur;
 pub use bessel::{BesselSums, spherical_bessel, spherical_bessel_sums};
+pub use disk::DiskBlur;
 pub use fresnel::{Fresnel, FresnelAuxiliary, fresnel, fresnel_auxiliary};
 pub use raster::{MAX_KERNEL_LENGTH_PX, accelerated_line_kernel, line_kernel};
 pub use uniform::{UniformBlur, sinc};
