@@ -19,7 +19,7 @@ mod types;
 
 pub use pair::{KnownAngle, Pair};
 pub use settings::{LengthRange, Settings};
-pub use types::{AngleEstimate, AxialAngle, Doubt, LengthEstimate, MotionBlur, Status};
+pub use types::{Acceleration, AngleEstimate, AxialAngle, Doubt, Evidence, LengthEstimate, MotionBlur, Status};
 
 use ndarray::ArrayView2;
 

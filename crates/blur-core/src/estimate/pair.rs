@@ -29,6 +29,8 @@ impl JointEstimator for Pair {
             length_std_px: length.std_px,
             correlation: None,
             status: angle.status.worse(length.status),
+            evidence: None,
+            acceleration: None,
         })
     }
 }

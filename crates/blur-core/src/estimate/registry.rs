@@ -85,12 +85,19 @@ pub const LENGTH: &[Method<Box<dyn LengthEstimator>>] = &[
     },
 ];
 
-/// Methods that fit angle and length together.
-pub const JOINT: &[Method<Box<dyn JointEstimator>>] = &[Method {
-    name: "phase-autocorrelation",
-    summary: "peak of the autocorrelation of the phase-only image",
-    build: |settings| Box::new(joint::PhaseAutocorrelation::new(settings)),
-}];
+/// Methods that fit angle and length together. The first is the default of programs.
+pub const JOINT: &[Method<Box<dyn JointEstimator>>] = &[
+    Method {
+        name: "whittle",
+        summary: "maximum likelihood of the whole spectrum",
+        build: |settings| Box::new(joint::Whittle::new(settings)),
+    },
+    Method {
+        name: "phase-autocorrelation",
+        summary: "peak of the autocorrelation of the phase-only image",
+        build: |settings| Box::new(joint::PhaseAutocorrelation::new(settings)),
+    },
+];
 
 /// The angle method called `name`.
 pub fn angle(name: &str) -> Result<&'static Method<Box<dyn AngleEstimator>>> {

@@ -45,6 +45,8 @@ pub struct Settings {
     pub window: Option<Window>,
     /// Lengths to search; `None`: from 4 px to what the picture's size allows.
     pub length_range: Option<LengthRange>,
+    /// Whether to look for an acceleration too; only methods that fit the likelihood can.
+    pub acceleration: bool,
 }
 
 /// Shortest length that the methods look for by themselves, in pixels: below it the first dark line leaves the band.

@@ -57,6 +57,50 @@ pub enum Doubt {
     },
     /// No pattern of a blur was found at all.
     NoPattern,
+    /// The likelihood gains too little over no blur.
+    WeakEvidence {
+        /// Gain in log-likelihood for each bin of signal.
+        per_bin: f64,
+        /// Least gain of a trusted answer.
+        needed: f64,
+    },
+    /// A lens out of focus explains the spectrum as well as a motion.
+    Defocus {
+        /// Gain in log-likelihood of the motion over the best disk.
+        gain: f64,
+        /// Least gain of a trusted answer.
+        needed: f64,
+    },
+    /// Much of the light does not share the motion: it differs over the picture, or it is none.
+    Incoherent {
+        /// Share of the light that the kernel does not explain.
+        share: f64,
+        /// Largest share of a trusted answer.
+        most: f64,
+    },
+    /// The scene is a periodic texture, whose own lines may stand for those of a blur.
+    PeriodicTexture {
+        /// Mean square over squared mean of the powers in a small part of the spectrum, 1 for a smooth one.
+        peakedness: f64,
+        /// Largest value that raises no doubt.
+        most: f64,
+    },
+    /// Another blur explains the spectrum nearly as well.
+    RivalBlur {
+        /// Evidence for the other one relative to the one found.
+        share: f64,
+        /// Largest share at which an answer is trusted.
+        most: f64,
+    },
+    /// The answer is too uncertain to be of use.
+    Uncertain {
+        /// Standard uncertainty.
+        std: f64,
+        /// Largest one of a trusted answer.
+        most: f64,
+        /// Unit of both.
+        unit: &'static str,
+    },
     /// The feature that gives the length hardly stands out from its surroundings.
     WeakLengthPeak {
         /// Height of the peak in robust standard deviations of its surroundings.
@@ -90,6 +134,32 @@ impl fmt::Display for Doubt {
                     f,
                     "another direction is nearly as good: {share:.2} of the best response, at most {most:.2} allowed"
                 )
+            }
+            Self::WeakEvidence { per_bin, needed } => {
+                write!(f, "hardly more likely than no blur: gain {per_bin:.4} a bin, {needed:.3} needed")
+            }
+            Self::Defocus { gain, needed } => {
+                write!(f, "a lens out of focus explains it as well: gain {gain:.0} over a disk, {needed:.0} needed")
+            }
+            Self::Incoherent { share, most } => {
+                write!(
+                    f,
+                    "{:.0} % of the light does not follow one motion, at most {:.0} % allowed",
+                    100.0 * share,
+                    100.0 * most
+                )
+            }
+            Self::PeriodicTexture { peakedness, most } => {
+                write!(f, "periodic texture: peakedness {peakedness:.2} of the spectrum, beyond {most:.2} in doubt")
+            }
+            Self::RivalBlur { share, most } => {
+                write!(
+                    f,
+                    "another blur is nearly as good: {share:.2} of the evidence for the best, at most {most:.2} allowed"
+                )
+            }
+            Self::Uncertain { std, most, unit } => {
+                write!(f, "standard uncertainty {std:.1} {unit}, at most {most:.1} {unit} allowed")
             }
             Self::NoPattern => write!(f, "no pattern of a motion blur in the spectrum"),
             Self::WeakLengthPeak { contrast, needed } => {
@@ -188,6 +258,67 @@ pub struct MotionBlur {
     pub correlation: Option<f64>,
     /// How far to trust the result.
     pub status: Status,
+    /// What speaks for and against the result; `None` when the method weighs no likelihoods.
+    pub evidence: Option<Evidence>,
+    /// The acceleration; `None` unless the settings ask for it and the method can tell.
+    pub acceleration: Option<Acceleration>,
+}
+
+/// What speaks for and against a result. Gains are natural logarithms of ratios of likelihoods.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub struct Evidence {
+    /// Gain over no blur, in the band of frequencies in which the blur was found.
+    pub gain: f64,
+    /// That gain for each bin of signal.
+    pub gain_per_bin: f64,
+    /// Evidence for a bin of the best other blur, relative to this one; 0 when there is no other.
+    pub rival_share: f64,
+    /// Gain over the best defocused disk.
+    pub gain_over_defocus: f64,
+    /// Share of the light that does not follow the motion: it fills the dark lines.
+    pub incoherent_share: f64,
+    /// Mean square over squared mean of the powers in small parts of the spectrum, relative to a smooth one.
+    pub peakedness: f64,
+    /// Mean squared standardised residual of the spectrum: at most about 1 for a model that is right.
+    pub misfit: f64,
+    /// Highest frequency that the result rests on, in cycles per pixel.
+    pub band_cycles_per_px: f64,
+    /// Rows and columns of the part of the picture that the result rests on.
+    pub rows: usize,
+    /// See `rows`.
+    pub columns: usize,
+}
+
+/// How strongly the motion accelerated, as far as one picture can tell: the ratio `r = a T / (2 vbar)` without its sign.
+///
+/// A blur and its reverse have the same power spectrum, so speeding up looks like slowing down.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Acceleration {
+    /// `|r|`, 0 for a uniform motion, 1 for one that starts or ends at rest.
+    pub ratio: f64,
+    /// Standard uncertainty of `|r|`, first order in that of `r^2`; near `r = 0` no more than the detection limit.
+    pub ratio_std: f64,
+    /// A uniform motion is read as `|r|` above this in 5 % of cases.
+    pub detection_limit: f64,
+}
+
+impl Acceleration {
+    /// 95 % of a normal distribution lie below this many standard deviations.
+    const ONE_SIDED: f64 = 1.645;
+
+    /// From `r^2`, 0 to 1, and its standard uncertainty: the spectrum is a function of the square.
+    pub(crate) fn from_square(ratio2: f64, std: f64) -> Self {
+        let ratio = ratio2.clamp(0.0, 1.0).sqrt();
+        let detection_limit = (Self::ONE_SIDED * std).sqrt();
+        let ratio_std = if ratio > 0.0 { (0.5 * std / ratio).min(detection_limit) } else { detection_limit };
+        Self { ratio, ratio_std, detection_limit }
+    }
+
+    /// Whether the acceleration stands out from a uniform motion.
+    pub fn is_detected(&self) -> bool {
+        self.ratio > self.detection_limit
+    }
 }
 
 #[cfg(test)]

@@ -19,4 +19,5 @@ pub use collapse::Collapsed;
 pub use dct::Dct2;
 pub use dft::{Dft2, InverseDft2};
 pub use level::Levelled;
+pub(crate) use log::{exp, ln};
 pub use phase::PhaseOnly;

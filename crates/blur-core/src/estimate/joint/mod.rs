@@ -2,5 +2,7 @@
 
 mod lag_peak;
 mod phase_autocorrelation;
+mod whittle;
 
 pub use phase_autocorrelation::PhaseAutocorrelation;
+pub use whittle::Whittle;

@@ -101,6 +101,8 @@ fn no_peak(range: LengthRange) -> MotionBlur {
         length_std_px: None,
         correlation: None,
         status: Status::NoMotionBlur(Doubt::NoPattern),
+        evidence: None,
+        acceleration: None,
     }
 }
 
@@ -122,6 +124,8 @@ fn from_peak(peak: LagPeak, range: LengthRange) -> MotionBlur {
         length_std_px: None,
         correlation: None,
         status: status_in(range, length_px, status),
+        evidence: None,
+        acceleration: None,
     }
 }
 
