@@ -2,7 +2,7 @@
 
 use nalgebra::{Cholesky, Const, SMatrix, SVector};
 
-use super::periodogram::CellSums;
+use super::periodogram::{CellSum, CellSums, Periodogram};
 use super::response::Response;
 use super::scene::{self, TERMS};
 use crate::spectrum::{exp, ln};
@@ -21,12 +21,17 @@ type Matrix = SMatrix<f64, PARAMETERS, PARAMETERS>;
 type Vector = SVector<f64, PARAMETERS>;
 
 /// Cells that are worked on side by side.
-const LANES: usize = 16;
+const LANES: usize = 8;
+/// Blocks of lanes whose products are summed at once.
+const GROUP: usize = 4;
+const WIDTH: usize = GROUP * LANES;
 /// Shape of the compound distribution of the powers: the level of a cell scatters by `1 / sqrt(SHAPE)` beyond what the
 /// exponential distribution of the powers explains. It bounds the pull of any one cell.
 const SHAPE: f32 = 30.0;
 /// Least power transfer: below it the noise or rounding rules.
 const LEAST_POWER: f32 = 1e-8;
+/// Prior standard deviation of the logarithm of the noise power about its first guess.
+const NOISE_STD: f64 = 1.0;
 /// Prior of the logarithm of the incoherent share: anything from nothing to nearly everything.
 const SHARE_MEAN: f64 = -6.0;
 const SHARE_STD: f64 = 3.0;
@@ -63,6 +68,8 @@ pub(super) struct Point {
     /// Radians.
     pub(super) angle: f64,
     pub(super) log_noise: f64,
+    /// The first guess of it, from the highest frequencies: bands without noise cannot tell.
+    guessed_log_noise: f64,
     /// Logarithm of the share of the light that the kernel does not explain.
     pub(super) log_share: f64,
     pub(super) ratio2: f64,
@@ -80,6 +87,7 @@ impl Point {
             length: 1.0,
             angle: 0.0,
             log_noise: 0.0,
+            guessed_log_noise: 0.0,
             log_share: SHARE_MEAN,
             ratio2: 0.0,
             scene: scene::MEAN,
@@ -91,6 +99,7 @@ impl Point {
     /// Starts from this length and angle, the noise power guessed and everything else unknown.
     pub(super) fn start(&mut self, length: f64, angle: f64, noise: f64) {
         (self.length, self.angle, self.log_noise) = (length, angle, noise.ln());
+        self.guessed_log_noise = self.log_noise;
         (self.log_share, self.ratio2) = (SHARE_MEAN, 0.0);
         self.scene = scene::MEAN;
         self.patches.fill(0.0);
@@ -107,13 +116,14 @@ impl Point {
     /// Becomes `other` without allocating.
     pub(super) fn copy(&mut self, other: &Self) {
         (self.length, self.angle, self.log_noise) = (other.length, other.angle, other.log_noise);
+        self.guessed_log_noise = other.guessed_log_noise;
         (self.log_share, self.ratio2) = (other.log_share, other.ratio2);
         (self.scene, self.roughness) = (other.scene, other.roughness);
         self.patches.copy_from_slice(&other.patches);
     }
 }
 
-/// Cells in columns, padded to whole [`LANES`] with cells that weigh nothing.
+/// Cells in columns, sorted by patch: each patch is padded to whole blocks of [`LANES`] with cells that weigh nothing.
 #[derive(Debug)]
 pub(super) struct Cells {
     angle: f64,
@@ -125,7 +135,10 @@ pub(super) struct Cells {
     t: Vec<f32>,
     /// `TERMS` columns of lanes, block after block.
     terms: Vec<f32>,
+    /// Patch of each block.
     patch: Vec<u16>,
+    /// First cell of each patch, as long as they are sorted.
+    first: Vec<u32>,
     peaks: f64,
 }
 
@@ -136,7 +149,7 @@ impl Cells {
     }
 
     pub(super) fn new(capacity: usize) -> Self {
-        let padded = capacity.next_multiple_of(LANES);
+        let padded = capacity + (PATCHES + GROUP) * LANES;
         let column = || Vec::with_capacity(padded);
         Self {
             angle: 0.0,
@@ -146,7 +159,8 @@ impl Cells {
             s: column(),
             t: column(),
             terms: Vec::with_capacity(padded * TERMS),
-            patch: Vec::with_capacity(padded),
+            patch: Vec::with_capacity(padded / LANES),
+            first: vec![0; PATCHES + 1],
             peaks: 1.0,
         }
     }
@@ -155,36 +169,52 @@ impl Cells {
     /// `noise`.
     pub(super) fn set(&mut self, sums: &CellSums, independence: f64, noise: f32) {
         self.angle = sums.angle;
-        for column in [&mut self.count, &mut self.power, &mut self.weight, &mut self.s, &mut self.t] {
-            column.clear();
+        self.peaks = peaks(sums, noise);
+        let (sin, cos) = sums.angle.sin_cos();
+        let place = |cell: &CellSum| {
+            let (s, t) = (f64::from(cell.s / cell.count), f64::from(cell.t / cell.count));
+            (s * cos + t * sin, t * cos - s * sin)
+        };
+        self.first.fill(0);
+        for cell in sums.filled() {
+            let (u, v) = place(cell);
+            self.first[patch_of(u, v)] += 1;
         }
         self.patch.clear();
-        for cell in sums.filled() {
-            let one = 1.0 / cell.count;
-            self.count.push(cell.count * independence as f32);
-            self.power.push(cell.power * one);
-            self.weight.push(cell.weight * one);
-            self.s.push(cell.s * one);
-            self.t.push(cell.t * one);
+        let mut total = 0;
+        for (patch, first) in self.first.iter_mut().enumerate() {
+            let blocks = (*first as usize).div_ceil(LANES);
+            *first = total as u32;
+            total += blocks * LANES;
+            self.patch.extend(std::iter::repeat_n(patch as u16, blocks));
         }
-        while !self.count.len().is_multiple_of(LANES) {
-            self.count.push(0.0);
-            for column in [&mut self.power, &mut self.weight, &mut self.s, &mut self.t] {
-                column.push(0.1);
-            }
+        while !self.patch.len().is_multiple_of(GROUP) {
+            self.patch.push(0);
         }
-        self.peaks = peaks(sums, noise);
+        let total = self.patch.len() * LANES;
+        self.count.clear();
+        self.count.resize(total, 0.0);
+        for column in [&mut self.power, &mut self.weight, &mut self.s, &mut self.t] {
+            column.clear();
+            column.resize(total, 0.1);
+        }
         self.terms.clear();
-        self.terms.resize(self.count.len() * TERMS, 0.0);
-        let (sin, cos) = sums.angle.sin_cos();
-        for (i, (&s, &t)) in self.s.iter().zip(&self.t).enumerate() {
-            let (s, t) = (f64::from(s), f64::from(t));
-            let (u, v) = (s * cos + t * sin, t * cos - s * sin);
+        self.terms.resize(total * TERMS, 0.0);
+        for cell in sums.filled() {
+            let (u, v) = place(cell);
+            let slot = &mut self.first[patch_of(u, v)];
+            let i = *slot as usize;
+            *slot += 1;
+            let one = 1.0 / cell.count;
+            self.count[i] = cell.count * independence as f32;
+            self.power[i] = cell.power * one;
+            self.weight[i] = cell.weight * one;
+            self.s[i] = cell.s * one;
+            self.t[i] = cell.t * one;
             let block = i / LANES * LANES * TERMS + i % LANES;
             for (k, term) in scene::terms(u, v).into_iter().enumerate() {
                 self.terms[block + k * LANES] = term as f32;
             }
-            self.patch.push(patch_of(u, v));
         }
     }
 }
@@ -207,11 +237,11 @@ fn peaks(sums: &CellSums, noise: f32) -> f64 {
     if count > 0.0 { f64::from(total / count) } else { 1.0 }
 }
 
-fn patch_of(u: f64, v: f64) -> u16 {
+fn patch_of(u: f64, v: f64) -> usize {
     let half_octave = (2.0 * (super::periodogram::MOST_FREQUENCY / u.hypot(v)).log2()) as usize;
     let turn = (v.atan2(u) / std::f64::consts::PI + 0.5).rem_euclid(1.0);
     let sector = ((turn * PATCHES_PER_RING as f64) as usize).min(PATCHES_PER_RING - 1);
-    (half_octave.min(2 * OCTAVES - 1) * PATCHES_PER_RING + sector) as u16
+    half_octave.min(2 * OCTAVES - 1) * PATCHES_PER_RING + sector
 }
 
 fn octave_of(patch: usize) -> usize {
@@ -243,7 +273,6 @@ struct Score {
     signal: f64,
     /// Sum of squared standardised residuals.
     squares: f64,
-
 }
 
 impl Score {
@@ -261,33 +290,65 @@ impl Score {
         }
     }
 
-    fn clear(&mut self) {
-        (self.loss, self.weight, self.signal, self.squares) = (0.0, 0.0, 0.0, 0.0);
+    fn clear(&mut self, with_information: bool) {
+        self.loss = 0.0;
         self.gradient.fill(0.0);
-        self.information.fill(0.0);
-        self.patch_cross.fill([0.0; PARAMETERS]);
-        self.patch_information.fill(0.0);
         self.patch_gradient.fill(0.0);
+        if with_information {
+            (self.weight, self.signal, self.squares) = (0.0, 0.0, 0.0);
+            self.information.fill(0.0);
+            self.patch_cross.fill([0.0; PARAMETERS]);
+            self.patch_information.fill(0.0);
+        }
     }
 
-    /// Gradient and information of the parameters with the patches profiled out.
-    fn reduced(&self) -> (Vector, Matrix) {
-        let (mut gradient, mut information) = (self.gradient, self.information);
+    /// Takes loss and gradients of `other` and keeps the information.
+    fn follow(&mut self, other: &Self) {
+        self.loss = other.loss;
+        self.gradient = other.gradient;
+        self.patch_gradient.copy_from_slice(&other.patch_gradient);
+    }
+
+    /// Gradient of the parameters with the patches profiled out.
+    fn reduced_gradient(&self) -> Vector {
+        let mut gradient = self.gradient;
         for ((cross, &own), &pull) in self.patch_cross.iter().zip(&self.patch_information).zip(&self.patch_gradient) {
+            let pull = pull / own;
+            for (out, &cross) in gradient.iter_mut().zip(cross) {
+                *out -= f64::from(cross) * pull;
+            }
+        }
+        gradient
+    }
+
+    /// Information of the parameters with the patches profiled out.
+    fn reduced_information(&self) -> Matrix {
+        let mut information = self.information;
+        for (cross, &own) in self.patch_cross.iter().zip(&self.patch_information) {
             if cross[NOISE] == 0.0 && cross[SCENE] == 0.0 {
                 continue;
             }
-            for (i, &a) in cross.iter().enumerate().filter(|(_, a)| **a != 0.0) {
-                let a = f64::from(a) / own;
-                gradient[i] -= a * pull;
-                for (j, &b) in cross[..=i].iter().enumerate() {
-                    information[(i, j)] -= a * f64::from(b);
+            let cross = cross.map(f64::from);
+            for (i, &a) in cross.iter().enumerate() {
+                let a = a / own;
+                // One column of the upper triangle: its rows lie side by side.
+                for (out, &b) in information.column_mut(i).iter_mut().zip(&cross[..=i]) {
+                    *out -= a * b;
                 }
             }
         }
-        information.fill_upper_triangle_with_lower_triangle();
-        (gradient, information)
+        information.fill_lower_triangle_with_upper_triangle();
+        information
     }
+}
+
+/// How far a search for the maximum goes.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Effort {
+    /// Most steps.
+    pub(super) steps: usize,
+    /// A step that gains less log-likelihood is the last.
+    pub(super) least_gain: f64,
 }
 
 /// The end of a search for the maximum.
@@ -295,13 +356,10 @@ impl Score {
 pub(super) struct Maximum {
     /// Negative log-likelihood.
     pub(super) loss: f64,
-    /// Effective number of independent powers.
-    pub(super) weight: f64,
-    /// Part of it that is signal and not noise.
+    /// Effective number of independent powers that are signal and not noise.
     pub(super) signal: f64,
     /// Mean squared standardised residual of the cells, 1 for a model that is right.
     pub(super) misfit: f64,
-
 }
 
 /// Covariance of `ln L`, the angle (radians) and `r^2`.
@@ -313,9 +371,9 @@ impl Fit {
         Self { response: Response::new(side), score: Score::new(), trial: Score::new(), candidate: Point::new() }
     }
 
-    /// The window's lobe is that of `periodogram` along `angle` (radians) from here on.
-    pub(super) fn set_direction(&mut self, periodogram: &super::periodogram::Periodogram, angle: f64) {
-        self.response.set_direction(periodogram, angle);
+    /// The window's lobe is that of `periodogram` over `cells` from here on, the highest frequency `most_frequency`.
+    pub(super) fn set_direction(&mut self, periodogram: &Periodogram, cells: &CellSums, most_frequency: f64) {
+        self.response.set_direction(periodogram, cells, most_frequency);
     }
 
     /// First amplitudes of the scene: least squares of the log power where there is signal.
@@ -364,37 +422,56 @@ impl Fit {
         }
     }
 
-    /// Fisher scoring with Levenberg's and Marquardt's damping from `point` to the maximum, at most `steps` steps.
-    pub(super) fn maximise(&mut self, cells: &Cells, kernel: Kernel, point: &mut Point, steps: usize) -> Maximum {
+    /// Fisher scoring with Levenberg's and Marquardt's damping from `point` to the maximum, with limited effort.
+    ///
+    /// The expected information hardly changes on the way: it is computed at the start, anew when a step falls short,
+    /// and at the end.
+    pub(super) fn maximise(&mut self, cells: &Cells, kernel: Kernel, point: &mut Point, effort: Effort) -> Maximum {
+        let Effort { steps, least_gain } = effort;
         self.tabulate(kernel, point);
-        self.response.score(cells, kernel, point, &mut self.score);
+        self.response.score(cells, kernel, point, true, &mut self.score);
         let mut damping = 1e-3;
+        let mut fresh = true;
+        let mut reduced = self.score.reduced_information();
         for _ in 0..steps {
-            let (gradient, information) = self.score.reduced();
-            let mut gained = None;
-            for _ in 0..5 {
-                let mut damped = information;
-                for i in 0..PARAMETERS {
-                    damped[(i, i)] *= 1.0 + damping;
-                }
-                if let Some(factor) = Cholesky::new(damped) {
-                    let step = factor.solve(&gradient);
-                    self.candidate.copy(point);
-                    advance(&mut self.candidate, &step, &self.score);
-                    self.response.tabulate(kernel, &self.candidate);
-                    self.response.score(cells, kernel, &self.candidate, &mut self.trial);
-                    if self.trial.loss < self.score.loss {
-                        gained = Some(self.score.loss - self.trial.loss);
-                        point.copy(&self.candidate);
-                        std::mem::swap(&mut self.score, &mut self.trial);
-                        damping = (damping / 5.0_f64).max(1e-6);
-                        break;
-                    }
-                }
-                damping *= 6.0;
+            let gradient = self.score.reduced_gradient();
+            let mut damped = reduced;
+            for i in 0..PARAMETERS {
+                damped[(i, i)] *= 1.0 + damping;
             }
-            if gained.is_none_or(|gained| gained < LEAST_GAIN) {
-                break;
+            let Some(factor) = Cholesky::new(damped) else { break };
+            let step = factor.solve(&gradient);
+            let expected = 0.5 * step.dot(&gradient);
+            self.candidate.copy(point);
+            advance(&mut self.candidate, &step, &self.score);
+            self.response.tabulate(kernel, &self.candidate);
+            self.response.score(cells, kernel, &self.candidate, false, &mut self.trial);
+            let gained = self.score.loss - self.trial.loss;
+            if gained > 0.0 {
+                point.copy(&self.candidate);
+                self.score.follow(&self.trial);
+                damping = (damping / 5.0_f64).max(1e-6);
+                if gained < least_gain && fresh {
+                    break;
+                }
+                // A step that falls far short of what was expected was taken with stale information.
+                if gained < least_gain || gained < SHORT * expected || expected > LARGE {
+                    self.response.score(cells, kernel, point, true, &mut self.score);
+                    reduced = self.score.reduced_information();
+                    fresh = true;
+                } else {
+                    fresh = false;
+                }
+            } else if fresh {
+                damping *= 10.0;
+                if damping > MOST_DAMPING || expected < least_gain {
+                    break;
+                }
+            } else {
+                self.tabulate(kernel, point);
+                self.response.score(cells, kernel, point, true, &mut self.score);
+                reduced = self.score.reduced_information();
+                fresh = true;
             }
         }
         self.maximum()
@@ -403,7 +480,7 @@ impl Fit {
     /// The last maximum.
     pub(super) fn maximum(&self) -> Maximum {
         let Score { loss, weight, signal, squares, .. } = self.score;
-        Maximum { loss, weight, signal, misfit: squares / weight.max(1.0) }
+        Maximum { loss, signal, misfit: squares / weight.max(1.0) }
     }
 
     /// Estimates the scatter of the patches of each octave from the last maximum: one step of expectation and
@@ -426,8 +503,7 @@ impl Fit {
 
     /// Covariance at the last maximum, everything else profiled out; `None` when the likelihood is flat.
     pub(super) fn covariance(&self) -> Option<Covariance> {
-        let (_, information) = self.score.reduced();
-        let factor: Cholesky<f64, Const<PARAMETERS>> = Cholesky::new(information)?;
+        let factor: Cholesky<f64, Const<PARAMETERS>> = Cholesky::new(self.score.reduced_information())?;
         let mut covariance = [[0.0; 3]; 3];
         for (row, &i) in covariance.iter_mut().zip(&[LENGTH, ANGLE, RATIO2]) {
             let mut unit = Vector::zeros();
@@ -445,8 +521,11 @@ impl Fit {
     }
 }
 
-/// A step that gains less ends the search.
-const LEAST_GAIN: f64 = 0.01;
+/// The information is stale after a step that gains less than this share of what was expected, or more than this.
+const SHORT: f64 = 0.7;
+const LARGE: f64 = 5.0;
+/// No step is shorter than this damping makes it.
+const MOST_DAMPING: f64 = 1e3;
 
 /// Moves `point` against `step`, within limits that keep the quadratic model honest.
 fn advance(point: &mut Point, step: &Vector, score: &Score) {
@@ -498,48 +577,52 @@ impl Response {
     /// A cell of `n` independent bins with the mean power `P` and the expectation `E = S (T + share) + noise` weighs as a
     /// gamma variable of `n` whose scale scatters as an inverse gamma variable of [`SHAPE`] `a`: up to a constant
     /// `n ln E + (a + n) ln(1 + n (P/E - 1)/(a + n))`.
-    fn score(&self, cells: &Cells, kernel: Kernel, point: &Point, out: &mut Score) {
-        out.clear();
+    fn score(&self, cells: &Cells, kernel: Kernel, point: &Point, with_information: bool, out: &mut Score) {
+        out.clear(with_information);
         let rotation = Rotation::between(cells.angle, point.angle);
         let noise = exp(point.log_noise as f32);
         let share = if kernel == Kernel::None { 0.0 } else { exp(point.log_share as f32) };
         let amplitudes = point.scene.map(|c| c as f32);
-        let mut lower = [[0.0_f32; LANES]; PARAMETERS];
-        let mut gradients = [[0.0_f32; LANES]; PARAMETERS];
-        let mut triangle = [0.0_f64; PARAMETERS * (PARAMETERS + 1) / 2];
-        for block in 0..cells.count.len() / LANES {
-            let range = block * LANES..(block + 1) * LANES;
+        let falls = scene::falls(&point.scene).map(|c| c as f32);
+        let mut gradients = [[0.0_f32; WIDTH]; PARAMETERS];
+        let mut weighted = [[0.0_f32; WIDTH]; PARAMETERS];
+        let mut pull = [0.0_f32; WIDTH];
+        let mut info = [0.0_f32; WIDTH];
+        let mut signal_share = [0.0_f32; WIDTH];
+        for (group, patches) in cells.patch.chunks_exact(GROUP).enumerate() {
+            let range = group * WIDTH..(group + 1) * WIDTH;
             let terms = &cells.terms[range.start * TERMS..range.end * TERMS];
-            let mut level = [0.0_f32; LANES];
-            let mut transfer = [0.0_f32; LANES];
-            let (mut d_length, mut d_angle, mut d_ratio2) = ([0.0_f32; LANES], [0.0_f32; LANES], [0.0_f32; LANES]);
-            for (lane, i) in range.clone().enumerate() {
-                level[lane] = point.patches[usize::from(cells.patch[i])] as f32;
-                let (s, t) = rotation.turn(cells.s[i], cells.t[i]);
-                if kernel == Kernel::None {
-                    transfer[lane] = 1.0;
-                    continue;
+            let mut level = [0.0_f32; WIDTH];
+            for ((level, terms), &patch) in
+                level.chunks_exact_mut(LANES).zip(terms.chunks_exact(LANES * TERMS)).zip(patches)
+            {
+                level.fill(point.patches[usize::from(patch)] as f32);
+                for (column, &amplitude) in terms.chunks_exact(LANES).zip(&amplitudes) {
+                    for (level, &term) in level.iter_mut().zip(column) {
+                        *level += amplitude * term;
+                    }
                 }
-                let square = s * s + t * t;
-                let fall = scene::fall(&point.scene, 0.5 * f64::from(ln(100.0 * square))) as f32;
-                let along = if kernel == Kernel::Disk { square.sqrt() } else { s };
-                let value = self.at(along, fall * along / square);
-                transfer[lane] = value.power.max(LEAST_POWER);
-                d_length[lane] = value.per_log_length;
-                d_ratio2[lane] = value.per_ratio2;
-                d_angle[lane] = if kernel == Kernel::Disk { 0.0 } else { -t * value.per_s };
             }
-            for (k, &amplitude) in amplitudes.iter().enumerate() {
-                let column = &terms[k * LANES..(k + 1) * LANES];
-                for (level, &term) in level.iter_mut().zip(column) {
-                    *level += amplitude * term;
+            let mut transfer = [1.0_f32; WIDTH];
+            let (mut d_length, mut d_angle, mut d_ratio2) = ([0.0_f32; WIDTH], [0.0_f32; WIDTH], [0.0_f32; WIDTH]);
+            if kernel != Kernel::None {
+                for (lane, (&s, &t)) in cells.s[range.clone()].iter().zip(&cells.t[range.clone()]).enumerate() {
+                    let (s, t) = rotation.turn(s, t);
+                    let square = s * s + t * t;
+                    let x = 0.5 * ln(100.0 * square);
+                    let fall = falls[0] - x * (falls[1] + x * falls[2]);
+                    let along = if kernel == Kernel::Disk { square.sqrt() } else { s };
+                    let value = self.at(along, fall * along / square);
+                    transfer[lane] = value.power.max(LEAST_POWER);
+                    d_length[lane] = value.per_log_length;
+                    d_ratio2[lane] = value.per_ratio2;
+                    d_angle[lane] = if kernel == Kernel::Disk { 0.0 } else { -t * value.per_s };
                 }
             }
             let (count, power) = (&cells.count[range.clone()], &cells.power[range.clone()]);
-            let weight = &cells.weight[range.clone()];
-            let (mut loss, mut info_sum, mut signal_sum, mut squares) = (0.0_f32, 0.0_f32, 0.0_f32, 0.0_f32);
-            let (mut pull, mut info, mut signal_share) = ([0.0_f32; LANES], [0.0_f32; LANES], [0.0_f32; LANES]);
-            for lane in 0..LANES {
+            let weight = &cells.weight[range];
+            let mut loss = [0.0_f32; WIDTH];
+            for lane in 0..WIDTH {
                 let n = count[lane];
                 let scene = exp(level[lane]);
                 let signal = scene * (transfer[lane] + share);
@@ -547,13 +630,10 @@ impl Response {
                 let expected = signal + background;
                 let inverse = 1.0 / expected;
                 let x = power[lane] * inverse;
-                loss += n * ln(expected) + (SHAPE + n) * ln((SHAPE + n * x) / (SHAPE + n));
+                loss[lane] = n * ln(expected) + (SHAPE + n) * ln((SHAPE + n * x) / (SHAPE + n));
                 pull[lane] = n * SHAPE * (1.0 - x) / (SHAPE + n * x);
                 info[lane] = n * SHAPE / (SHAPE + n + 1.0);
                 signal_share[lane] = signal * inverse;
-                info_sum += info[lane];
-                signal_sum += info[lane] * signal_share[lane] * signal_share[lane];
-                squares += pull[lane] * pull[lane];
                 let scene = scene * inverse;
                 gradients[LENGTH][lane] = scene * d_length[lane];
                 gradients[ANGLE][lane] = scene * d_angle[lane];
@@ -561,86 +641,117 @@ impl Response {
                 gradients[SHARE][lane] = scene * share;
                 gradients[RATIO2][lane] = scene * d_ratio2[lane];
             }
-            out.loss += f64::from(loss);
-            out.weight += f64::from(info_sum);
-            out.signal += f64::from(signal_sum);
-            out.squares += f64::from(squares);
-            for (k, gradient) in gradients[SCENE..].iter_mut().enumerate() {
-                let column = &terms[k * LANES..(k + 1) * LANES];
-                for ((out, &term), &share) in gradient.iter_mut().zip(column).zip(&signal_share) {
-                    *out = term * share;
+            out.loss += f64::from(sum(&loss));
+            for (block, terms) in terms.chunks_exact(LANES * TERMS).enumerate() {
+                let lanes = block * LANES..(block + 1) * LANES;
+                for (gradient, column) in gradients[SCENE..].iter_mut().zip(terms.chunks_exact(LANES)) {
+                    for ((out, &term), &share) in
+                        gradient[lanes.clone()].iter_mut().zip(column).zip(&signal_share[lanes.clone()])
+                    {
+                        *out = term * share;
+                    }
                 }
             }
-            for (weighted, gradient) in lower.iter_mut().zip(&gradients) {
+            for (out, gradient) in out.gradient.iter_mut().zip(&gradients) {
+                *out += f64::from(dot(gradient, &pull));
+            }
+            for (block, &patch) in patches.iter().enumerate() {
+                let lanes = block * LANES..(block + 1) * LANES;
+                let pulled: f32 =
+                    pull[lanes.clone()].iter().zip(&signal_share[lanes]).map(|(pull, share)| pull * share).sum();
+                out.patch_gradient[usize::from(patch)] += f64::from(pulled);
+            }
+            if !with_information {
+                continue;
+            }
+            out.weight += f64::from(sum(&info));
+            out.squares += f64::from(dot(&pull, &pull));
+            for (weighted, gradient) in weighted.iter_mut().zip(&gradients) {
                 for ((out, &value), &info) in weighted.iter_mut().zip(gradient).zip(&info) {
                     *out = value * info;
                 }
             }
-            let mut place = 0;
-            for (i, weighted) in lower.iter().enumerate() {
-                out.gradient[i] += f64::from(dot(&gradients[i], &pull));
-                for other in &gradients[..=i] {
-                    triangle[place] += f64::from(dot(weighted, other));
-                    place += 1;
+            for (i, weighted) in weighted.iter().enumerate() {
+                for (j, other) in gradients[..=i].iter().enumerate() {
+                    out.information[(j, i)] += f64::from(dot(weighted, other));
                 }
             }
-            for (lane, i) in range.enumerate() {
-                let patch = usize::from(cells.patch[i]);
-                let share = signal_share[lane];
-                out.patch_gradient[patch] += f64::from(pull[lane] * share);
-                out.patch_information[patch] += f64::from(info[lane] * share * share);
-                for (cross, weighted) in out.patch_cross[patch].iter_mut().zip(&lower) {
-                    *cross += weighted[lane] * share;
+            for (block, &patch) in patches.iter().enumerate() {
+                let lanes = block * LANES..(block + 1) * LANES;
+                let share = &signal_share[lanes.clone()];
+                let patch = usize::from(patch);
+                for (cross, weighted) in out.patch_cross[patch].iter_mut().zip(&weighted) {
+                    *cross +=
+                        weighted[lanes.clone()].iter().zip(share).map(|(value, share)| value * share).sum::<f32>();
                 }
+                let own: f32 = info[lanes].iter().zip(share).map(|(info, share)| info * share * share).sum();
+                out.patch_information[patch] += f64::from(own);
+                out.signal += f64::from(own);
             }
         }
-        let mut place = 0;
-        for i in 0..PARAMETERS {
-            for j in 0..=i {
-                out.information[(i, j)] = triangle[place];
-                place += 1;
-            }
-        }
-        add_prior(kernel, point, out);
+        add_prior(kernel, point, with_information, out);
     }
 }
 
-fn add_prior(kernel: Kernel, point: &Point, out: &mut Score) {
+fn add_prior(kernel: Kernel, point: &Point, with_information: bool, out: &mut Score) {
     let mut normal = |index: usize, deviation: f64, std: f64| {
         out.loss += 0.5 * (deviation / std).powi(2);
         out.gradient[index] += deviation / (std * std);
-        out.information[(index, index)] += 1.0 / (std * std);
+        if with_information {
+            out.information[(index, index)] += 1.0 / (std * std);
+        }
     };
     for (k, ((&value, &mean), &std)) in point.scene.iter().zip(&scene::MEAN).zip(&scene::STD).enumerate() {
         normal(SCENE + k, value - mean, std);
     }
-    let fixed: &[usize] = match kernel {
-        Kernel::None => &[LENGTH, ANGLE, SHARE, RATIO2],
-        Kernel::Line => &[RATIO2],
-        Kernel::AcceleratedLine => &[],
-        Kernel::Disk => &[ANGLE, RATIO2],
-    };
+    normal(NOISE, point.log_noise - point.guessed_log_noise, NOISE_STD);
     if kernel != Kernel::None {
         normal(SHARE, point.log_share - SHARE_MEAN, SHARE_STD);
-    }
-    for &index in fixed {
-        // Its gradient is 0, so any positive information keeps it where it is.
-        out.information[(index, index)] += 1.0;
     }
     for (patch, &deviation) in point.patches.iter().enumerate() {
         let precision = 1.0 / point.roughness[octave_of(patch)].powi(2);
         out.loss += 0.5 * deviation * deviation * precision;
         out.patch_gradient[patch] += deviation * precision;
-        out.patch_information[patch] += precision;
+        if with_information {
+            out.patch_information[patch] += precision;
+        }
+    }
+    if with_information {
+        let fixed: &[usize] = match kernel {
+            Kernel::None => &[LENGTH, ANGLE, SHARE, RATIO2],
+            Kernel::Line => &[RATIO2],
+            Kernel::AcceleratedLine => &[],
+            Kernel::Disk => &[ANGLE, RATIO2],
+        };
+        for &index in fixed {
+            // Its gradient is 0, so any positive information keeps it where it is.
+            out.information[(index, index)] += 1.0;
+        }
     }
 }
 
-fn dot(a: &[f32; LANES], b: &[f32; LANES]) -> f32 {
-    let mut sums = [0.0_f32; 4];
-    for (a, b) in a.chunks_exact(4).zip(b.chunks_exact(4)) {
+/// Kept apart from its callers: there the compiler would rather vectorise across products than along them.
+#[inline(never)]
+fn dot(a: &[f32; WIDTH], b: &[f32; WIDTH]) -> f32 {
+    let mut sums = [0.0_f32; LANES];
+    for (a, b) in a.chunks_exact(LANES).zip(b.chunks_exact(LANES)) {
         for ((sum, &a), &b) in sums.iter_mut().zip(a).zip(b) {
             *sum += a * b;
         }
     }
-    (sums[0] + sums[1]) + (sums[2] + sums[3])
+    total(&sums)
+}
+
+fn sum(values: &[f32; WIDTH]) -> f32 {
+    let mut sums = [0.0_f32; LANES];
+    for values in values.chunks_exact(LANES) {
+        for (sum, &value) in sums.iter_mut().zip(values) {
+            *sum += value;
+        }
+    }
+    total(&sums)
+}
+
+fn total(lanes: &[f32; LANES]) -> f32 {
+    ((lanes[0] + lanes[4]) + (lanes[1] + lanes[5])) + ((lanes[2] + lanes[6]) + (lanes[3] + lanes[7]))
 }

@@ -114,7 +114,12 @@ fn agree(middle: &Outcome, whole: &Outcome) -> bool {
         && whole.covariance[0][0] < middle.covariance[0][0]
 }
 
-fn result(outcome: &Outcome, status: Status, (rows, columns): (usize, usize), ratio2: Option<(f64, f64)>) -> MotionBlur {
+fn result(
+    outcome: &Outcome,
+    status: Status,
+    (rows, columns): (usize, usize),
+    ratio2: Option<(f64, f64)>,
+) -> MotionBlur {
     let covariance = &outcome.covariance;
     let (log_length_std, angle_std) = (covariance[0][0].sqrt(), covariance[1][1].sqrt());
     MotionBlur {

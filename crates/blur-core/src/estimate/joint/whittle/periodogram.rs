@@ -38,6 +38,8 @@ pub(super) struct Periodogram {
     pub(super) v: Vec<f32>,
     /// `(f / 0.1)^FALL`.
     weight: Vec<f32>,
+    /// First bin and frequency of each row, in the order of the bins; the last entry ends them.
+    rows: Vec<(usize, f32)>,
     /// Place in the half spectrum.
     index: Vec<u32>,
     /// Power times weight.
@@ -52,9 +54,11 @@ impl Periodogram {
         let half = columns / 2 + 1;
         let (mut u, mut v, mut weight, mut index) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
         let mut noise_bins = Vec::new();
+        let mut starts = Vec::with_capacity(rows + 1);
         for row in 0..rows {
             let signed = if row <= rows / 2 { row as f64 } else { row as f64 - rows as f64 };
             let y = signed / rows as f64;
+            starts.push((u.len(), y as f32));
             for column in 0..half {
                 let x = column as f64 / columns as f64;
                 // The column u = 0 holds each bin twice.
@@ -75,6 +79,7 @@ impl Periodogram {
                 index.push((row * half + column) as u32);
             }
         }
+        starts.push((u.len(), 0.0));
         let (row_weights, column_weights) = (window.weights(rows), window.weights(columns));
         let square = |w: &[f32]| w.iter().map(|&w| f64::from(w).powi(2)).sum::<f64>();
         Self {
@@ -85,6 +90,7 @@ impl Periodogram {
             lag_rows: autocorrelation(&row_weights),
             lag_columns: autocorrelation(&column_weights),
             whitened: vec![0.0; u.len()],
+            rows: starts,
             u,
             v,
             weight,
@@ -139,38 +145,43 @@ impl Periodogram {
         interpolate(&self.lag_columns, x.abs()) * interpolate(&self.lag_rows, y.abs())
     }
 
-    /// Sums the bins up to `most_frequency` into cells along the direction `angle` (radians).
-    pub(super) fn gather(&self, angle: f64, most_frequency: f64, sums: &mut CellSums) {
-        sums.clear(angle);
+    /// Sums the bins up to `most_frequency` into cells along the direction `angle` (radians), `width` bins wide.
+    pub(super) fn gather(&self, angle: f64, width: usize, most_frequency: f64, sums: &mut CellSums) {
+        sums.clear(angle, width);
         let (sin, cos) = (angle.sin() as f32, angle.cos() as f32);
         let most = (most_frequency * most_frequency) as f32;
         let per_step = sums.per_step;
-        for (((&u, &v), &power), &weight) in self.u.iter().zip(&self.v).zip(&self.whitened).zip(&self.weight) {
-            if u * u + v * v > most {
+        for (&(start, v), &(end, _)) in self.rows.iter().zip(&self.rows[1..]) {
+            if v * v > most {
                 continue;
             }
-            let (mut s, mut t) = (u * cos - v * sin, u * sin + v * cos);
-            if s < 0.0 {
-                (s, t) = (-s, -t);
-            }
-            let band = usize::from(sums.band_of[((t.abs() * BANDS_PER_UNIT) as usize).min(BAND_ENTRIES - 1)]);
-            let band = if t < 0.0 { BANDS - 1 - band } else { BANDS + band };
-            if let Some(sum) = sums.cells.get_mut(band * sums.steps + (s * per_step) as usize) {
-                sum.count += 1.0;
-                sum.power += power;
-                sum.square += power * power;
-                sum.weight += weight;
-                sum.s += s;
-                sum.t += t;
+            let columns = &self.u[start..end];
+            let end = start + columns.partition_point(|&u| u * u + v * v <= most);
+            let bins = start..end;
+            for ((&u, &power), &weight) in
+                self.u[bins.clone()].iter().zip(&self.whitened[bins.clone()]).zip(&self.weight[bins])
+            {
+                let (mut s, mut t) = (u * cos - v * sin, u * sin + v * cos);
+                if s < 0.0 {
+                    (s, t) = (-s, -t);
+                }
+                let band = usize::from(sums.band_of[((t.abs() * BANDS_PER_UNIT) as usize).min(BAND_ENTRIES - 1)]);
+                let band = if t < 0.0 { BANDS - 1 - band } else { BANDS + band };
+                if let Some(sum) = sums.cells.get_mut(band * sums.steps + (s * per_step) as usize) {
+                    sum.count += 1.0;
+                    sum.power += power;
+                    sum.square += power * power;
+                    sum.weight += weight;
+                    sum.s += s;
+                    sum.t += t;
+                }
             }
         }
     }
 }
 
 fn autocorrelation(weights: &[f32]) -> Vec<f64> {
-    let at = |lag: usize| {
-        weights.iter().zip(&weights[lag..]).map(|(&a, &b)| f64::from(a) * f64::from(b)).sum::<f64>()
-    };
+    let at = |lag: usize| weights.iter().zip(&weights[lag..]).map(|(&a, &b)| f64::from(a) * f64::from(b)).sum::<f64>();
     let energy = at(0);
     (0..weights.len()).map(|lag| at(lag) / energy).collect()
 }
@@ -188,6 +199,9 @@ const EDGES: [f32; 13] = [0.006, 0.012, 0.024, 0.04, 0.06, 0.085, 0.115, 0.15, 0
 const BANDS: usize = EDGES.len() + 1;
 const BAND_ENTRIES: usize = 1024;
 const BANDS_PER_UNIT: f32 = 2000.0;
+
+/// Most bins across a cell along the motion.
+pub(super) const WIDEST_CELL: usize = 4;
 
 /// Bins of a cell, summed.
 #[derive(Debug, Clone, Copy, Default)]
@@ -208,6 +222,9 @@ pub(super) struct CellSum {
 #[derive(Debug)]
 pub(super) struct CellSums {
     pub(super) angle: f64,
+    /// Bins across a cell along the motion.
+    width: usize,
+    side: usize,
     steps: usize,
     per_step: f32,
     band_of: Vec<u8>,
@@ -223,6 +240,8 @@ impl CellSums {
             .collect();
         Self {
             angle: 0.0,
+            width: 1,
+            side,
             steps,
             per_step: side as f32,
             band_of,
@@ -235,8 +254,14 @@ impl CellSums {
         self.cells.len()
     }
 
-    fn clear(&mut self, angle: f64) {
-        self.angle = angle;
+    /// Bins across a cell along the motion.
+    pub(super) fn width(&self) -> usize {
+        self.width
+    }
+
+    fn clear(&mut self, angle: f64, width: usize) {
+        (self.angle, self.width) = (angle, width.clamp(1, WIDEST_CELL));
+        self.per_step = (self.side as f64 / self.width as f64) as f32;
         self.cells.fill(CellSum::default());
     }
 

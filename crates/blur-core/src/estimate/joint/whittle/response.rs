@@ -2,13 +2,15 @@
 
 use std::f64::consts::PI;
 
-use super::periodogram::{MOST_FREQUENCY, Periodogram};
+use super::periodogram::{CellSums, MOST_FREQUENCY, Periodogram, WIDEST_CELL};
 use crate::psf::{AcceleratedBlur, DiskBlur};
 
 /// Points of the table per bin of the longer side.
 const PER_BIN: usize = 4;
 /// Reach of the window's lobe in points of the table: beyond five bins it has died away.
-const REACH: usize = 20;
+const LOBE: usize = 5 * PER_BIN;
+/// Reach of the lobe smeared over a cell.
+const REACH: usize = LOBE + PER_BIN * WIDEST_CELL / 2 + 1;
 /// Lags over which the window's lobe is summed.
 const LAGS: usize = 64;
 /// Step in `r^2` of the derivative.
@@ -36,6 +38,8 @@ pub(super) struct Value {
 pub(super) struct Response {
     step: f64,
     len: usize,
+    /// Points in use: up to the highest frequency asked for.
+    used: usize,
     /// `|H|^2`, `d/d ln L`, `d/d r^2` on the lattice.
     raw: [Vec<f32>; COLUMNS],
     even: [Vec<f32>; COLUMNS],
@@ -55,6 +59,7 @@ impl Response {
         Self {
             step,
             len,
+            used: len,
             // Mirrored at 0: `REACH` points on either side.
             raw: column(len + 2 * REACH),
             even: column(len),
@@ -64,13 +69,15 @@ impl Response {
         }
     }
 
-    /// Takes the window's lobe along the direction `angle` (radians).
-    pub(super) fn set_direction(&mut self, periodogram: &Periodogram, angle: f64) {
-        let (sin, cos) = angle.sin_cos();
+    /// Takes the window's lobe along the direction of `cells`, smeared over their width, for frequencies up to
+    /// `most_frequency`.
+    pub(super) fn set_direction(&mut self, periodogram: &Periodogram, cells: &CellSums, most_frequency: f64) {
+        self.used = ((most_frequency / self.step).ceil() as usize + 4).min(self.len);
+        let (sin, cos) = cells.angle.sin_cos();
         let (rows, columns) = periodogram.dim();
         let longest = (columns as f64 / cos.abs().max(1e-9)).min(rows as f64 / sin.abs().max(1e-9));
         let lag = longest / LAGS as f64;
-        let mut lobe = [0.0; REACH + 1];
+        let mut lobe = [0.0; LOBE + 1];
         for (j, value) in lobe.iter_mut().enumerate() {
             let turn = 2.0 * PI * j as f64 * self.step * lag;
             *value = 0.5;
@@ -83,8 +90,16 @@ impl Response {
                 (before, now) = (now, twice * now - before);
             }
         }
-        let sum = lobe[0] + 2.0 * lobe[1..].iter().sum::<f64>();
-        for (out, value) in self.lobe.iter_mut().zip(lobe) {
+        // One bin's width is in the lobe already: a cell of one bin holds bins at their own places.
+        let half = (cells.width() - 1) * PER_BIN / 2;
+        let mut smeared = [0.0; REACH + 1];
+        for (j, value) in smeared.iter_mut().enumerate() {
+            for k in 0..=2 * half {
+                *value += lobe.get((j + k).abs_diff(half)).copied().unwrap_or(0.0);
+            }
+        }
+        let sum = smeared[0] + 2.0 * smeared[1..].iter().sum::<f64>();
+        for (out, value) in self.lobe.iter_mut().zip(smeared) {
             *out = (value / sum) as f32;
         }
     }
@@ -96,7 +111,7 @@ impl Response {
         // sin and cos of k turn by a rotation.
         let (sin_step, cos_step) = turn.sin_cos();
         let (mut sin, mut cos) = (0.0_f64, 1.0_f64);
-        for k in 0..self.len + REACH {
+        for k in 0..self.used + REACH {
             let (power, slope) = if k == 0 {
                 (1.0, 0.0)
             } else {
@@ -117,7 +132,7 @@ impl Response {
         let low = (ratio2 - RATIO2_STEP).max(0.0);
         let high = (low + 2.0 * RATIO2_STEP).min(1.0);
         let mtf2 = |ratio2: f64, q: f64| AcceleratedBlur::new(1.0, ratio2.sqrt()).map_or(1.0, |b| b.mtf(q).powi(2));
-        for k in 0..self.len + REACH {
+        for k in 0..self.used + REACH {
             let q = k as f64 * self.step * length;
             let power = mtf2(ratio2, q);
             let slope = q * (mtf2(ratio2, q + 1e-4) - mtf2(ratio2, (q - 1e-4).abs())) / 2e-4;
@@ -131,7 +146,7 @@ impl Response {
     pub(super) fn set_disk(&mut self, diameter: f64) {
         self.columns = 2;
         let power = |q: f64| DiskBlur::new(1.0).map_or(1.0, |disk| disk.transfer(q).powi(2));
-        for k in 0..self.len + REACH {
+        for k in 0..self.used + REACH {
             let q = k as f64 * self.step * diameter;
             let slope = q * (power(q + 1e-4) - power((q - 1e-4).abs())) / 2e-4;
             self.put(k, [power(q) as f32, slope as f32, 0.0]);
@@ -150,6 +165,7 @@ impl Response {
 
     fn smear(&mut self) {
         for ((raw, even), odd) in self.raw.iter().zip(&mut self.even).zip(&mut self.odd).take(self.columns) {
+            let (even, odd) = (&mut even[..self.used], &mut odd[..self.used]);
             for ((out, out_odd), &value) in even.iter_mut().zip(odd.iter_mut()).zip(&raw[REACH..]) {
                 (*out, *out_odd) = (self.lobe[0] * value, 0.0);
             }
@@ -164,11 +180,12 @@ impl Response {
         }
     }
 
+    #[inline]
     /// The response at the frequency `s` (either sign), where the sharp spectrum falls by `beta` per cycle per pixel.
     pub(super) fn at(&self, s: f32, beta: f32) -> Value {
         let (beta, sign) = if s < 0.0 { (-beta, -1.0) } else { (beta, 1.0) };
         let x = s.abs() / self.step as f32;
-        let below = (x as usize).min(self.len - 3);
+        let below = (x as usize).min(self.used - 3);
         let share = x - below as f32;
         let column = |c: usize| {
             let (even, odd) = (&self.even[c][below..below + 2], &self.odd[c][below..below + 2]);

@@ -4,7 +4,7 @@ use std::f64::consts::{FRAC_PI_2, PI};
 
 use ndarray::ArrayView2;
 
-use super::fit::{Cells, Covariance, Fit, Kernel, Point};
+use super::fit::{Cells, Covariance, Effort, Fit, Kernel, Point};
 use super::periodogram::{CellSums, MOST_FREQUENCY, Periodogram};
 use super::search::{self, Band, Candidate};
 use crate::estimate::LengthRange;
@@ -15,33 +15,41 @@ const WIDEST_BAND: f64 = 0.45;
 /// ... as long as its radius has this many bins.
 const LEAST_BAND_BINS: f64 = 25.0;
 /// Modes that are fitted, at most.
-const MODES: usize = 6;
+const MODES: usize = 5;
 /// A mode with fewer votes, relative to the first, is not fitted.
-const LEAST_VOTES: f64 = 0.3;
+const LEAST_VOTES: f64 = 0.4;
+/// When this many bands agree upon a mode, and it turns out coherent with this much evidence for a bin, only modes with
+/// nearly as many votes are fitted besides.
+const AGREED: f64 = 1.9;
+const CLEAR: f64 = 0.05;
+const CLOSE_VOTES: f64 = 0.7;
 /// A band has found a length when it knows `ln L` to this standard deviation.
 const SHARP: f64 = 0.1;
 /// Two candidates are one mode within this angle (radians) and ratio of lengths (logarithm).
 const SAME_ANGLE: f64 = 0.105;
 const SAME_LOG_LENGTH: f64 = 0.13;
-/// Steps of a first fit, of the fit without blur, of a defocused one and of a fit that only follows up.
-const FIRST_STEPS: usize = 10;
-const SHARP_STEPS: usize = 6;
-const DISK_STEPS: usize = 5;
-const FOLLOW_STEPS: usize = 6;
+/// Cells from one dark line to the next that a first fit needs.
+const CELLS_PER_LINE: f64 = 10.0;
+/// Dark lines that a first fit sees.
+const FIRST_LINES: f64 = 5.0;
+/// A first fit, the fits without blur and with a disk that it is held against, and the fit that is reported.
+const FIRST: Effort = Effort { steps: 8, least_gain: 0.5 };
+const ALTERNATIVE: Effort = Effort { steps: 4, least_gain: 0.5 };
+const FINAL: Effort = Effort { steps: 8, least_gain: 0.02 };
 /// Diameters of a disk to start from, relative to the line's length.
-const DISKS: [f64; 3] = [0.8, 1.0, 1.2];
+const DISKS: [f64; 2] = [0.87, 1.1];
 /// Evidence is a gain per bin of signal; this many more count, so that few bins do not decide by chance.
 const SPARE_BINS: f64 = 200.0;
 /// A wider band agrees when it moves the result by less than this many standard deviations ...
 const AGREEMENT: f64 = 5.0;
 /// ... makes the length at most this much less certain in variance ...
 const MOST_LOSS: f64 = 1.2;
-/// ... and lets the incoherent share grow by at most this in its logarithm, or to no more than this.
+/// ... and lets the logarithm of the incoherent share grow by at most this, or to no more than the second.
 const SHARE_GROWTH: f64 = 0.7;
 const COHERENT: f64 = -4.0;
 /// How much the scatter of the scene's spectrum over patches widens the uncertainty: what is seen between patches is
 /// there within them too. Learnt on design pictures; the coverage is tested on others.
-const ROUGHNESS_WEIGHT: f64 = 2.0;
+const ROUGHNESS_WEIGHT: f64 = 1.6;
 
 /// What the likelihood says of a part of a picture.
 #[derive(Debug, Clone, Copy)]
@@ -137,7 +145,7 @@ impl View {
     pub(super) fn measure(&mut self) -> Option<Outcome> {
         self.search();
         let (mut outcome, start) = self.choose()?;
-        self.compare_disk(&mut outcome, start);
+        self.compare_disk(&mut outcome);
         self.widen(&mut outcome, start)?;
         Some(outcome)
     }
@@ -154,10 +162,10 @@ impl View {
 
     /// `|r|^2` and its standard deviation from the fit of the accelerated blur at the last result.
     pub(super) fn acceleration(&mut self, outcome: &Outcome) -> Option<(f64, f64)> {
-        self.gather(self.points[0].angle, outcome.band);
+        self.gather(self.points[0].angle, 1, outcome.band);
         let [best, trial, _] = &mut self.points;
         trial.copy(best);
-        self.fit.maximise(&self.cells, Kernel::AcceleratedLine, trial, FIRST_STEPS);
+        self.fit.maximise(&self.cells, Kernel::AcceleratedLine, trial, FINAL);
         let covariance = self.fit.covariance()?;
         Some((trial.ratio2, widening(trial, outcome.band) * covariance[2][2].sqrt()))
     }
@@ -202,16 +210,21 @@ impl View {
         let mut winner: Option<(Outcome, usize)> = None;
         let mut rival = 0.0_f64;
         for i in 0..self.modes.len() {
-            let Mode { at, lowest, widest, .. } = self.modes[i];
+            let Mode { at, votes, lowest, widest } = self.modes[i];
+            let settled = winner.as_ref().is_some_and(|(best, _)| self.modes[0].votes > AGREED && best.is_coherent());
+            if settled && votes < CLOSE_VOTES * self.modes[0].votes {
+                break;
+            }
             let mut band = lowest;
-            let (line, covariance) = loop {
-                let line = self.start_fit(at, self.bands[band].most_frequency);
+            let (line, covariance, used) = loop {
+                let used = self.first_band(band, at.length);
+                let line = self.start_fit(at, used);
                 let covariance = self.fit.covariance().filter(|covariance| covariance[0][0] < SHARP * SHARP);
                 if covariance.is_some() && self.bands[band].covers(self.points[1].length) {
-                    break (line, covariance);
+                    break (line, covariance, used);
                 }
                 if band == widest {
-                    break (line, None);
+                    break (line, None, used);
                 }
                 band -= 1;
             };
@@ -219,13 +232,14 @@ impl View {
             let [_, found, other] = &mut self.points;
             other.copy(found);
             self.fit.start_scene(&self.cells, Kernel::None, other);
-            let none = self.fit.maximise(&self.cells, Kernel::None, other, SHARP_STEPS);
+            let none = self.fit.maximise(&self.cells, Kernel::None, other, ALTERNATIVE);
             let gain = none.loss - line.loss;
+            let found_length = found.length;
             let outcome = Outcome {
-                length: found.length,
+                length: found_length,
                 angle: found.angle,
                 covariance,
-                band: self.bands[band].most_frequency,
+                band: used,
                 gain,
                 density: gain / (line.signal + SPARE_BINS),
                 rival: 0.0,
@@ -254,68 +268,91 @@ impl View {
     }
 
     /// Holds the line against disks in the band where it was found.
-    fn compare_disk(&mut self, outcome: &mut Outcome, band: usize) {
-        self.gather(outcome.angle, self.bands[band].most_frequency);
+    fn compare_disk(&mut self, outcome: &mut Outcome) {
+        self.gather(outcome.angle, self.width_for(outcome.length), outcome.band);
         let line = self.settle(0);
         for diameter in DISKS {
             let [best, trial, _] = &mut self.points;
             trial.copy(best);
             trial.length *= diameter;
             self.fit.start_scene(&self.cells, Kernel::Disk, trial);
-            let disk = self.fit.maximise(&self.cells, Kernel::Disk, trial, DISK_STEPS);
+            let disk = self.fit.maximise(&self.cells, Kernel::Disk, trial, ALTERNATIVE);
             outcome.over_disk = outcome.over_disk.min(disk.loss - line);
         }
     }
 
-    /// Takes wider and wider bands in, as long as they agree with the narrower one.
+    /// Takes the whole spectrum in if it agrees with the band where the blur was found; if not, wider and wider bands as
+    /// long as they do.
     fn widen(&mut self, outcome: &mut Outcome, start: usize) -> Option<()> {
-        self.gather(self.points[0].angle, self.bands[start].most_frequency);
+        self.gather(self.points[0].angle, self.width_for(outcome.length), outcome.band);
         self.settle(0);
-        self.record(outcome, self.bands[start].most_frequency)?;
-        let wider = (0..start).rev().map(|band| self.bands[band].most_frequency);
-        // On the stack: the bands cannot be borrowed while the view works.
-        let mut limits = [MOST_FREQUENCY; 16];
-        let count = wider.zip(&mut limits).map(|(frequency, limit)| *limit = frequency).count() + 1;
-        for &limit in &limits[..count] {
-            let angle = self.points[0].angle;
-            self.gather(angle, limit);
-            let [best, trial, _] = &mut self.points;
-            trial.copy(best);
-            self.settle(1);
-            let mut wide = *outcome;
-            self.points.swap(0, 1);
-            let agreed = self.record(&mut wide, limit).is_some() && agrees(outcome, &wide);
-            if !agreed {
-                self.points.swap(0, 1);
+        self.record(outcome, outcome.band)?;
+        if self.widen_to(outcome, MOST_FREQUENCY) {
+            return Some(());
+        }
+        for band in (1..=start).rev() {
+            let most_frequency = self.bands[band].most_frequency;
+            if most_frequency > outcome.band && !self.widen_to(outcome, most_frequency) {
                 break;
             }
-            *outcome = wide;
         }
         Some(())
     }
 
-    /// Gathers the cells along `angle` up to `most_frequency`.
-    fn gather(&mut self, angle: f64, most_frequency: f64) {
-        self.periodogram.gather(angle, most_frequency, &mut self.sums);
+    /// Follows `outcome` into the band up to `most_frequency`; `false`, and nothing changed, when that disagrees.
+    fn widen_to(&mut self, outcome: &mut Outcome, most_frequency: f64) -> bool {
+        let width = self.width_for(outcome.length);
+        self.gather(self.points[0].angle, width, most_frequency);
+        let [best, trial, _] = &mut self.points;
+        trial.copy(best);
+        self.fit.maximise(&self.cells, Kernel::Line, trial, FIRST);
+        // Cells are as wide as they are only along the motion: once more along the better direction.
+        let angle = self.points[1].angle;
+        self.gather(angle, width, most_frequency);
+        self.settle(1);
+        let mut wide = *outcome;
+        self.points.swap(0, 1);
+        if self.record(&mut wide, most_frequency).is_some() && agrees(outcome, &wide) {
+            *outcome = wide;
+            return true;
+        }
+        self.points.swap(0, 1);
+        false
+    }
+
+    /// Bins across a cell that a first fit of `length` needs: a dark line must not be lost in one.
+    fn width_for(&self, length: f64) -> usize {
+        let (rows, columns) = self.periodogram.dim();
+        (rows.max(columns) as f64 / (CELLS_PER_LINE * length)) as usize
+    }
+
+    /// The frequencies of a first fit of `length` in a band: a few dark lines are enough to tell modes apart.
+    fn first_band(&self, band: usize, length: f64) -> f64 {
+        self.bands[band].most_frequency.min(FIRST_LINES / length)
+    }
+
+    /// Gathers cells of `width` bins along `angle` up to `most_frequency`.
+    fn gather(&mut self, angle: f64, width: usize, most_frequency: f64) {
+        self.periodogram.gather(angle, width, most_frequency, &mut self.sums);
         self.cells.set(&self.sums, self.periodogram.independence, self.noise as f32);
-        self.fit.set_direction(&self.periodogram, angle);
+        self.fit.set_direction(&self.periodogram, &self.sums, most_frequency);
     }
 
     /// A first fit of the second point.
     fn start_fit(&mut self, at: Candidate, most_frequency: f64) -> super::fit::Maximum {
-        self.gather(at.angle, most_frequency);
+        self.gather(at.angle, self.width_for(at.length), most_frequency);
         let point = &mut self.points[1];
         point.start(at.length, at.angle, self.noise);
         self.fit.start_scene(&self.cells, Kernel::Line, point);
-        self.fit.maximise(&self.cells, Kernel::Line, point, FIRST_STEPS)
+        self.fit.maximise(&self.cells, Kernel::Line, point, FIRST)
     }
 
     /// Follows a fit up to where the roughness of the scene is learnt; returns the negative log-likelihood.
     fn settle(&mut self, which: usize) -> f64 {
         let point = &mut self.points[which];
-        self.fit.maximise(&self.cells, Kernel::Line, point, FOLLOW_STEPS);
+        self.fit.maximise(&self.cells, Kernel::Line, point, FIRST);
         self.fit.learn_roughness(point);
-        self.fit.maximise(&self.cells, Kernel::Line, point, FOLLOW_STEPS).loss
+        self.fit.maximise(&self.cells, Kernel::Line, point, FINAL).loss
     }
 
     /// Writes the last fit, that of the first point, into `outcome`.
@@ -324,13 +361,18 @@ impl View {
         let scale = widening(point, band).powi(2);
         outcome.covariance = self.fit.covariance()?.map(|row| row.map(|value| value * scale));
         (outcome.length, outcome.angle, outcome.band) = (point.length, point.angle, band);
-        (outcome.log_share, outcome.peaks) = (point.log_share, self.cells.peaks());
+        outcome.log_share = point.log_share;
+        outcome.peaks = outcome.peaks.max(self.cells.peaks());
         outcome.misfit = self.fit.maximum().misfit;
         Some(())
     }
 }
 
 impl Outcome {
+    fn is_coherent(&self) -> bool {
+        self.log_share < COHERENT && self.density > CLEAR
+    }
+
     fn candidate(&self) -> Candidate {
         Candidate { angle: self.angle, length: self.length, gain: self.density }
     }
