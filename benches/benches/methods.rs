@@ -2,10 +2,11 @@
 
 use std::error::Error;
 use std::path::{Path, PathBuf};
-use std::time::{Duration, SystemTime};
+use std::time::{Duration, Instant, SystemTime};
 
-use blur_benches::{ANGLE_DEG, FFT, Id, Timing, blurred_picture, median_ns, table};
+use blur_benches::{ANGLE_DEG, FFT, Id, Timing, blurred_frame, blurred_picture, median_ns, table};
 use blur_core::Result;
+use blur_core::estimate::joint::{Stage, Whittle};
 use blur_core::estimate::{AxialAngle, JointEstimator, Pair, Settings, registry};
 use blur_core::spectrum::Dft2;
 use criterion::{BenchmarkId, Criterion};
@@ -27,13 +28,68 @@ fn main() -> std::result::Result<(), Box<dyn Error>> {
         let picture = blurred_picture(side)?;
         ids.extend(time_all(&mut criterion, picture.view())?);
     }
+    let frame = blurred_frame(FRAME)?;
+    let mut whittle = Whittle::new(&Settings::default());
+    let mut group = criterion.benchmark_group("joint");
+    group.bench_function(BenchmarkId::new("whittle-frame", format!("{}x{}", FRAME.1, FRAME.0)), |bencher| {
+        bencher.iter(|| whittle.estimate(frame.view()));
+    });
+    group.finish();
     criterion.final_summary();
+    print_stages()?;
 
     let timings: Vec<Timing> =
         ids.into_iter().filter_map(|id| median_ns(&folder, &id, started).map(|ns| Timing { id, ns })).collect();
     if !timings.is_empty() {
         println!("Median time of one picture, and how many 2-D FFTs of it fit into that\n\n{}", table(&timings));
     }
+    Ok(())
+}
+
+/// Rows and columns of a camera's frame.
+const FRAME: (usize, usize) = (1440, 1920);
+/// Pictures that the stages are timed on.
+const STAGE_RUNS: u32 = 30;
+
+/// Prints how the time of `whittle` at 512 pixels is spent, stage by stage, beside the transform of the picture.
+fn print_stages() -> std::result::Result<(), Box<dyn Error>> {
+    let picture = blurred_picture(512)?;
+    let mut dft = Dft2::new(512, 512);
+    let mut fft = Duration::MAX;
+    for _ in 0..STAGE_RUNS {
+        dft.input().assign(&picture);
+        let start = Instant::now();
+        dft.transform();
+        fft = fft.min(start.elapsed());
+    }
+    let mut whittle = Whittle::new(&Settings::default());
+    whittle.estimate(picture.view())?;
+    let mut stages: Vec<(Stage, Duration)> = Vec::new();
+    for _ in 0..STAGE_RUNS {
+        let mut start = Instant::now();
+        whittle.estimate_in_stages(picture.view(), &mut |stage| {
+            let taken = start.elapsed();
+            match stages.iter_mut().find(|(known, _)| *known == stage) {
+                Some((_, total)) => *total += taken,
+                None => stages.push((stage, taken)),
+            }
+            start = Instant::now();
+        })?;
+    }
+    println!(
+        "whittle at 512 pixels, stage by stage (mean of {STAGE_RUNS}; one transform {:.2} ms)",
+        1e3 * fft.as_secs_f64()
+    );
+    for (stage, total) in stages {
+        let mean = (total / STAGE_RUNS).as_secs_f64();
+        println!(
+            "  {:10} {:7.2} ms  x {:5.1}",
+            format!("{stage:?}").to_lowercase(),
+            1e3 * mean,
+            mean / fft.as_secs_f64()
+        );
+    }
+    println!();
     Ok(())
 }
 

@@ -16,7 +16,9 @@
 //!   its input.
 //! - `angle` and `length` are single methods; a length method is given the true angle, as in `--known-angle`.
 //! - `pair` is the first angle method and then the first length method, each with its own transform of the picture.
-//! - `joint` methods find both at once.
+//! - `joint` methods find both at once; `whittle-frame` is the default method on a frame of 1920 x 1440 pixels.
+//!
+//! Below the table stands how the default method's time at 512 pixels is spent, stage by stage.
 //!
 //! The pictures are square dead-leaves scenes exposed with a uniform motion of 24.5 px at 30 degrees and noise of
 //! 36 dB. Everything runs on one thread. The first picture of a size, which makes plans and buffers, is not counted.
@@ -26,5 +28,5 @@
 mod picture;
 mod report;
 
-pub use picture::{ANGLE_DEG, LENGTH_PX, blurred_picture};
+pub use picture::{ANGLE_DEG, LENGTH_PX, blurred_frame, blurred_picture};
 pub use report::{FFT, Id, Timing, median_ns, table};

@@ -19,9 +19,17 @@ const SEED: u64 = 1;
 /// # Errors
 /// [`blur_sim::Error::Size`] for a side of 0 or beyond what the simulation makes.
 pub fn blurred_picture(side: usize) -> blur_sim::Result<Array2<f32>> {
+    blurred_frame((side, side))
+}
+
+/// A blurred 8-bit picture of so many rows and columns.
+///
+/// # Errors
+/// As for [`blurred_picture`].
+pub fn blurred_frame((height, width): (usize, usize)) -> blur_sim::Result<Array2<f32>> {
     let motion = Motion::uniform(LENGTH_PX, AxialAngle::from_deg(ANGLE_DEG))?;
     let (rows, columns) = motion.extent_px();
-    let scene = dead_leaves(SEED, side + rows, side + columns, &DeadLeaves::default())?;
+    let scene = dead_leaves(SEED, height + rows, width + columns, &DeadLeaves::default())?;
     let exposure = expose(scene.view(), &motion)?;
     let picture = Sensor::ideal().with_psnr_db(PSNR_DB)?.record(exposure.view(), SEED)?;
     Ok(f32_from_u8(picture.view()))

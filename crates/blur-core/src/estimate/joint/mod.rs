@@ -5,4 +5,4 @@ mod phase_autocorrelation;
 mod whittle;
 
 pub use phase_autocorrelation::PhaseAutocorrelation;
-pub use whittle::Whittle;
+pub use whittle::{Stage, Whittle};

@@ -44,8 +44,10 @@ pub(super) const OCTAVES: usize = 5;
 const PATCHES: usize = 2 * OCTAVES * PATCHES_PER_RING;
 /// Scatter of the patches in log power before the picture is seen, and the number of patches that this counts for.
 const ROUGHNESS: f64 = 0.3;
-const ROUGHNESS_COUNTS: f64 = 3.0;
+const ROUGHNESS_COUNTS: f64 = 2.0;
 const LEAST_ROUGHNESS: f64 = 0.02;
+/// A patch is told of by the picture when that weighs this much against the prior.
+const LEAST_TOLD: f64 = 0.05;
 
 /// Which kernel the spectrum is explained with.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -302,6 +304,41 @@ impl Score {
         }
     }
 
+    /// Adds the information of a group of cells.
+    fn add_information(
+        &mut self,
+        patches: &[u16],
+        gradients: &[[f32; WIDTH]; PARAMETERS],
+        pull: &[f32; WIDTH],
+        info: &[f32; WIDTH],
+        signal_share: &[f32; WIDTH],
+    ) {
+        let mut weighted = [[0.0_f32; WIDTH]; PARAMETERS];
+        self.weight += f64::from(sum(info));
+        self.squares += f64::from(dot(pull, pull));
+        for (weighted, gradient) in weighted.iter_mut().zip(gradients) {
+            for ((out, &value), &info) in weighted.iter_mut().zip(gradient).zip(info) {
+                *out = value * info;
+            }
+        }
+        for (i, weighted) in weighted.iter().enumerate() {
+            for (j, other) in gradients[..=i].iter().enumerate() {
+                self.information[(j, i)] += f64::from(dot(weighted, other));
+            }
+        }
+        for (block, &patch) in patches.iter().enumerate() {
+            let lanes = block * LANES..(block + 1) * LANES;
+            let share = &signal_share[lanes.clone()];
+            let patch = usize::from(patch);
+            for (cross, weighted) in self.patch_cross[patch].iter_mut().zip(&weighted) {
+                *cross += weighted[lanes.clone()].iter().zip(share).map(|(value, share)| value * share).sum::<f32>();
+            }
+            let own: f32 = info[lanes].iter().zip(share).map(|(info, share)| info * share * share).sum();
+            self.patch_information[patch] += f64::from(own);
+            self.signal += f64::from(own);
+        }
+    }
+
     /// Takes loss and gradients of `other` and keeps the information.
     fn follow(&mut self, other: &Self) {
         self.loss = other.loss;
@@ -483,21 +520,30 @@ impl Fit {
         Maximum { loss, signal, misfit: squares / weight.max(1.0) }
     }
 
-    /// Estimates the scatter of the patches of each octave from the last maximum: one step of expectation and
-    /// maximisation.
+    /// Estimates the scatter of the patches of each octave at the last maximum, by the moments of what the picture alone
+    /// says of them: mean of `deviation^2 - variance`, weighted by the inverse square of `variance + scatter^2`.
+    ///
+    /// *Reference*: R. `DerSimonian` and N. Laird, *Meta-analysis in clinical trials*, Controlled Clinical Trials 7 (1986) 177.
     pub(super) fn learn_roughness(&self, point: &mut Point) {
-        let mut sums = [(ROUGHNESS_COUNTS * ROUGHNESS * ROUGHNESS, ROUGHNESS_COUNTS); OCTAVES];
-        for (patch, (&deviation, &information)) in point.patches.iter().zip(&self.score.patch_information).enumerate() {
+        let mut sums = [(0.0, 0.0); OCTAVES];
+        for (before, (sum, weight)) in point.roughness.iter().zip(&mut sums) {
+            *weight = ROUGHNESS_COUNTS / (2.0 * before * before).powi(2);
+            *sum = *weight * ROUGHNESS * ROUGHNESS;
+        }
+        for (patch, (&deviation, &own)) in point.patches.iter().zip(&self.score.patch_information).enumerate() {
             let octave = octave_of(patch);
-            let variance = 1.0 / information;
+            let scatter2 = point.roughness[octave].powi(2);
+            let information = own - 1.0 / scatter2;
             // A patch that the picture says nothing about says nothing about the scatter.
-            if variance < 0.99 * point.roughness[octave].powi(2) {
-                sums[octave].0 += deviation * deviation + variance;
-                sums[octave].1 += 1.0;
+            if information * scatter2 > LEAST_TOLD {
+                let (free, variance) = (deviation * own / information, 1.0 / information);
+                let weight = 1.0 / (variance + scatter2).powi(2);
+                sums[octave].0 += weight * (free * free - variance);
+                sums[octave].1 += weight;
             }
         }
-        for (roughness, (squares, count)) in point.roughness.iter_mut().zip(sums) {
-            *roughness = (squares / count).sqrt().max(LEAST_ROUGHNESS);
+        for (roughness, (sum, weight)) in point.roughness.iter_mut().zip(sums) {
+            *roughness = (sum / weight).max(LEAST_ROUGHNESS * LEAST_ROUGHNESS).sqrt();
         }
     }
 
@@ -585,7 +631,6 @@ impl Response {
         let amplitudes = point.scene.map(|c| c as f32);
         let falls = scene::falls(&point.scene).map(|c| c as f32);
         let mut gradients = [[0.0_f32; WIDTH]; PARAMETERS];
-        let mut weighted = [[0.0_f32; WIDTH]; PARAMETERS];
         let mut pull = [0.0_f32; WIDTH];
         let mut info = [0.0_f32; WIDTH];
         let mut signal_share = [0.0_f32; WIDTH];
@@ -664,30 +709,7 @@ impl Response {
             if !with_information {
                 continue;
             }
-            out.weight += f64::from(sum(&info));
-            out.squares += f64::from(dot(&pull, &pull));
-            for (weighted, gradient) in weighted.iter_mut().zip(&gradients) {
-                for ((out, &value), &info) in weighted.iter_mut().zip(gradient).zip(&info) {
-                    *out = value * info;
-                }
-            }
-            for (i, weighted) in weighted.iter().enumerate() {
-                for (j, other) in gradients[..=i].iter().enumerate() {
-                    out.information[(j, i)] += f64::from(dot(weighted, other));
-                }
-            }
-            for (block, &patch) in patches.iter().enumerate() {
-                let lanes = block * LANES..(block + 1) * LANES;
-                let share = &signal_share[lanes.clone()];
-                let patch = usize::from(patch);
-                for (cross, weighted) in out.patch_cross[patch].iter_mut().zip(&weighted) {
-                    *cross +=
-                        weighted[lanes.clone()].iter().zip(share).map(|(value, share)| value * share).sum::<f32>();
-                }
-                let own: f32 = info[lanes].iter().zip(share).map(|(info, share)| info * share * share).sum();
-                out.patch_information[patch] += f64::from(own);
-                out.signal += f64::from(own);
-            }
+            out.add_information(patches, &gradients, &pull, &info, &signal_share);
         }
         add_prior(kernel, point, with_information, out);
     }

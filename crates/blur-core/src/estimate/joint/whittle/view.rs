@@ -4,6 +4,7 @@ use std::f64::consts::{FRAC_PI_2, PI};
 
 use ndarray::ArrayView2;
 
+use super::Stage;
 use super::fit::{Cells, Covariance, Effort, Fit, Kernel, Point};
 use super::periodogram::{CellSums, MOST_FREQUENCY, Periodogram};
 use super::search::{self, Band, Candidate};
@@ -29,7 +30,7 @@ const SHARP: f64 = 0.1;
 const SAME_ANGLE: f64 = 0.105;
 const SAME_LOG_LENGTH: f64 = 0.13;
 /// Cells from one dark line to the next that a first fit needs.
-const CELLS_PER_LINE: f64 = 10.0;
+const CELLS_PER_LINE: f64 = 14.0;
 /// Dark lines that a first fit sees.
 const FIRST_LINES: f64 = 5.0;
 /// A first fit, the fits without blur and with a disk that it is held against, and the fit that is reported.
@@ -49,7 +50,7 @@ const SHARE_GROWTH: f64 = 0.7;
 const COHERENT: f64 = -4.0;
 /// How much the scatter of the scene's spectrum over patches widens the uncertainty: what is seen between patches is
 /// there within them too. Learnt on design pictures; the coverage is tested on others.
-const ROUGHNESS_WEIGHT: f64 = 1.6;
+const ROUGHNESS_WEIGHT: f64 = 1.7;
 
 /// What the likelihood says of a part of a picture.
 #[derive(Debug, Clone, Copy)]
@@ -141,12 +142,16 @@ impl View {
         self.noise = self.periodogram.noise();
     }
 
-    /// Searches everywhere and fits; `None` when no band sees a pattern.
-    pub(super) fn measure(&mut self) -> Option<Outcome> {
+    /// Searches everywhere and fits; `None` when no band sees a pattern. `done` is told of every stage that ends.
+    pub(super) fn measure(&mut self, done: &mut dyn FnMut(Stage)) -> Option<Outcome> {
         self.search();
+        done(Stage::Search);
         let (mut outcome, start) = self.choose()?;
+        done(Stage::Choice);
         self.compare_disk(&mut outcome);
+        done(Stage::Defocus);
         self.widen(&mut outcome, start)?;
+        done(Stage::Fit);
         Some(outcome)
     }
 
