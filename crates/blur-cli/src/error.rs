@@ -107,6 +107,14 @@ pub enum Error {
         /// What may be asked for.
         known: String,
     },
+    /// The method does not fit the likelihood, so it cannot tell an acceleration.
+    #[error("the method '{method}' cannot look for an acceleration; known: {known}")]
+    NoAcceleration {
+        /// The method asked.
+        method: String,
+        /// Those that can.
+        known: String,
+    },
     /// No method is registered for what was asked.
     #[error("no {kind} method is registered")]
     NoMethod {

@@ -11,7 +11,7 @@ use metrology::Measurement;
 use crate::Result;
 use crate::method::Method;
 use crate::picture::{Linearize, Picture};
-use crate::record::{ExposureSource, NoSpeed, Record};
+use crate::record::{AccelerationFields, EvidenceFields, ExposureSource, NoSpeed, Record};
 
 /// What to measure and how, for all pictures of a run.
 #[derive(Clone)]
@@ -78,6 +78,12 @@ impl<'a> Measurer<'a> {
             correlation: blur.correlation,
             status: blur.status.name(),
             reason: blur.status.doubt().map(|doubt| doubt.to_string()),
+            // Without a blur there is nothing that could accelerate.
+            acceleration: blur
+                .acceleration
+                .filter(|_| !matches!(blur.status, Status::NoMotionBlur(_)))
+                .map(AccelerationFields::from),
+            evidence: blur.evidence.map(EvidenceFields::from),
             exposure_s: exposure.map(|(exposure, _)| exposure.seconds().value()),
             exposure_source: exposure.map(|(_, source)| source),
             speed_m_s: speed.map(|speed| speed.value_m_s),

@@ -62,6 +62,14 @@ impl Method {
         }
     }
 
+    /// Refuses a method that cannot look for an acceleration, and names those that can.
+    pub fn check_acceleration(&self) -> Result<()> {
+        match self.0 {
+            Choice::Joint(joint) if registry::ACCELERATION.contains(&joint.name) => Ok(()),
+            _ => Err(Error::NoAcceleration { method: self.name(), known: registry::ACCELERATION.join(", ") }),
+        }
+    }
+
     /// A new estimator.
     pub fn build(&self, settings: &Settings) -> Box<dyn JointEstimator> {
         match self.0 {

@@ -2,6 +2,7 @@
 
 use std::io::{self, Write};
 
+use blur_core::estimate::{Acceleration, Evidence};
 use serde::Serialize;
 
 use crate::Error;
@@ -25,6 +26,61 @@ pub enum NoSpeed {
     ExposureMissing,
     /// Without a blur there is no motion to speak of.
     NoMotionBlur,
+}
+
+/// How strongly the motion accelerated.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct AccelerationFields {
+    /// The ratio `a T / (2 v)` without its sign, 0 for a uniform motion, 1 for one that starts or ends at rest.
+    #[serde(rename = "accel_ratio")]
+    pub ratio: f64,
+    /// Its standard uncertainty.
+    #[serde(rename = "accel_ratio_std")]
+    pub ratio_std: f64,
+    /// The least ratio that counts as detected, see [`Acceleration::detection_limit`].
+    #[serde(rename = "accel_ratio_limit")]
+    pub limit: f64,
+    /// Whether the ratio stands out from that of a uniform motion.
+    #[serde(skip)]
+    pub detected: bool,
+}
+
+impl From<Acceleration> for AccelerationFields {
+    fn from(found: Acceleration) -> Self {
+        Self {
+            ratio: found.ratio,
+            ratio_std: found.ratio_std,
+            limit: found.detection_limit,
+            detected: found.is_detected(),
+        }
+    }
+}
+
+/// What speaks for and against the result, see [`Evidence`].
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct EvidenceFields {
+    /// Gain in log-likelihood over no blur, for each bin of signal.
+    pub gain_per_bin: f64,
+    /// Evidence for the best other blur, relative to the one found.
+    pub rival_share: f64,
+    /// Share of the light that does not follow the motion.
+    pub incoherent_share: f64,
+    /// Mean squared standardised residual of the spectrum.
+    pub misfit: f64,
+    /// Highest frequency that the result rests on, in cycles per pixel.
+    pub band_cycles_per_px: f64,
+}
+
+impl From<Evidence> for EvidenceFields {
+    fn from(found: Evidence) -> Self {
+        Self {
+            gain_per_bin: found.gain_per_bin,
+            rival_share: found.rival_share,
+            incoherent_share: found.incoherent_share,
+            misfit: found.misfit,
+            band_cycles_per_px: found.band_cycles_per_px,
+        }
+    }
 }
 
 /// The measurement of one picture. Fields that were not computed are absent from the JSON object.
@@ -58,6 +114,12 @@ pub struct Record {
     /// Why the status is not `ok`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub reason: Option<String>,
+    /// The acceleration, when it was asked for and there is a motion.
+    #[serde(flatten)]
+    pub acceleration: Option<AccelerationFields>,
+    /// What speaks for and against the result, when the method weighs likelihoods.
+    #[serde(flatten)]
+    pub evidence: Option<EvidenceFields>,
     /// Exposure time in seconds.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub exposure_s: Option<f64>,

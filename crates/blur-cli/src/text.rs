@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 use crate::record::{ExposureSource, NoSpeed, Record};
 
-/// A record as two lines: the measurement, and how it came about. After `±` stands one standard uncertainty or, where
+/// A record as two lines: the measurement, and how it came about; a third for the acceleration if there is one. After `±` stands one standard uncertainty or, where
 /// `(k = 2)` follows, the expanded uncertainty.
 pub fn from_record(record: &Record) -> String {
     let angle = with_uncertainty(record.angle_deg, record.angle_std_deg, 1);
@@ -41,6 +41,15 @@ pub fn from_record(record: &Record) -> String {
         }
         Some(NoSpeed::NoMotionBlur) => text.push_str("; no speed: no motion blur"),
         None => {}
+    }
+    if let Some(found) = record.acceleration {
+        let limit = format!("{:.*}", decimals_of(found.limit, 2), found.limit);
+        if found.detected {
+            let ratio = with_uncertainty(found.ratio, Some(found.ratio_std), 2);
+            let _ = write!(text, "\n    acceleration ratio {ratio}, detected above {limit}");
+        } else {
+            let _ = write!(text, "\n    acceleration not detected, below {limit}");
+        }
     }
     text
 }
@@ -80,6 +89,7 @@ fn duration(seconds: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::record::AccelerationFields;
 
     #[test]
     fn an_uncertainty_has_two_digits_and_its_value_as_many_decimals() {
@@ -116,6 +126,8 @@ mod tests {
             correlation: None,
             status: "ok",
             reason: None,
+            acceleration: None,
+            evidence: None,
             exposure_s: Some(0.01),
             exposure_source: Some(ExposureSource::Exif),
             speed_m_s: Some(0.1234),
@@ -142,5 +154,14 @@ mod tests {
             "a.png  640x480  angle 93.51 ± 0.41 deg  length 30.84 ± 0.25 px  low_confidence: weak\n    \
              x+y, 12.3 ms, exposure 10 ms (EXIF); no speed: --scale is missing"
         );
+        record.no_speed = None;
+        let mut found = AccelerationFields { ratio: 0.523, ratio_std: 0.0412, limit: 0.214, detected: true };
+        record.acceleration = Some(found);
+        let text = from_record(&record);
+        assert_eq!(text.lines().last(), Some("    acceleration ratio 0.523 ± 0.041, detected above 0.21"));
+        found.detected = false;
+        record.acceleration = Some(found);
+        let text = from_record(&record);
+        assert_eq!(text.lines().last(), Some("    acceleration not detected, below 0.21"));
     }
 }

@@ -5,8 +5,13 @@ mod common;
 use std::io::{BufRead, BufReader};
 use std::process::Stdio;
 
+use blur_core::estimate::AxialAngle;
+use blur_sim::expose::expose;
+use blur_sim::motion::Motion;
+use blur_sim::scene::{DeadLeaves, dead_leaves};
+use blur_sim::sensor::Sensor;
 use common::*;
-use image::{DynamicImage, GrayImage, ImageBuffer, ImageFormat, LumaA, Rgb, Rgba};
+use image::{DynamicImage, GrayImage, ImageBuffer, ImageFormat, Luma, LumaA, Rgb, Rgba};
 use serde_json::Value;
 
 #[test]
@@ -29,8 +34,10 @@ fn a_record_has_the_promised_fields() {
     assert_eq!(stdout(&output).lines().count(), 1);
     let record: Value = serde_json::from_str(stdout(&output)).unwrap();
     let (required, optional) = (
-        "image width height method linearized angle_deg length_px status exposure_s exposure_source speed_m_s time_ms",
-        "angle_std_deg length_std_px correlation reason speed_std_m_s speed_expanded_m_s coverage_k",
+        "image width height method linearized angle_deg angle_std_deg length_px length_std_px correlation status \
+         gain_per_bin rival_share incoherent_share misfit band_cycles_per_px exposure_s exposure_source speed_m_s \
+         speed_std_m_s speed_expanded_m_s coverage_k time_ms",
+        "reason",
     );
     let fields = record.as_object().unwrap();
     for name in required.split(' ') {
@@ -50,6 +57,70 @@ fn a_record_has_the_promised_fields() {
 }
 
 #[test]
+fn what_was_not_computed_has_no_field() {
+    let folder = folder("absent");
+    let path = write(&folder, "a.png", &png(blurred(256, 256, 20, 1)));
+    let path = path.to_str().unwrap();
+    let evidence = ["gain_per_bin", "rival_share", "incoherent_share", "misfit", "band_cycles_per_px"];
+    let acceleration = ["accel_ratio", "accel_ratio_std", "accel_ratio_limit"];
+    for (arguments, has_evidence, has_acceleration) in [
+        (vec!["--method", "whittle", path], true, false),
+        (vec!["--method", "whittle", "--accel", path], true, true),
+        (vec!["--method", "phase-autocorrelation", path], false, false),
+        (vec!["--angle", "dft-radon", path], false, false),
+    ] {
+        let (_, records) = run_json(&arguments);
+        let fields = records[0].as_object().unwrap();
+        for name in evidence {
+            assert_eq!(fields.contains_key(name), has_evidence, "{arguments:?}: {name}");
+        }
+        for name in acceleration {
+            assert_eq!(fields.contains_key(name), has_acceleration, "{arguments:?}: {name}");
+        }
+    }
+}
+
+#[test]
+fn an_acceleration_is_told_from_a_uniform_motion() {
+    let folder = folder("acceleration");
+    let motion = Motion::new(30.0, AxialAngle::from_deg(20.0), 0.7).unwrap();
+    let scene = dead_leaves(3, 320, 320, &DeadLeaves::default()).unwrap();
+    let exposure = expose(scene.view(), &motion).unwrap();
+    let pixels = Sensor::ideal().with_psnr_db(40.0).unwrap().record(exposure.view(), 3).unwrap();
+    let (height, width) = pixels.dim();
+    let grey = GrayImage::from_fn(width as u32, height as u32, |x, y| Luma([pixels[[y as usize, x as usize]]]));
+    let path = write(&folder, "accelerated.png", &png(grey));
+    let (status, records) = run_json(["--accel".as_ref(), path.as_os_str()]);
+    assert_eq!(status, 0);
+    let fields = ["accel_ratio", "accel_ratio_std", "accel_ratio_limit"];
+    let [ratio, std, limit] = fields.map(|field| number(&records[0], field));
+    assert!(ratio > limit && std < 0.1, "{}", records[0]);
+    // Four standard deviations: one normal error in 16000 is larger.
+    assert!((ratio - 0.7).abs() < 4.0 * std, "{}", records[0]);
+    let output = run(["--accel".as_ref(), path.as_os_str()]);
+    assert!(stdout(&output).contains("\n    acceleration ratio 0."), "{output:?}");
+
+    // The motion of the sample is uniform.
+    let (_, records) = run_json(["--accel"]);
+    let [ratio, std, limit] = fields.map(|field| number(&records[0], field));
+    assert!(ratio <= limit && std < 0.2 && limit < 0.2, "{}", records[0]);
+    let output = run(["--accel"]);
+    assert!(stdout(&output).contains("\n    acceleration not detected, below 0."), "{output:?}");
+    assert!(!stdout(&run(["--method", "whittle"])).contains("acceleration"));
+}
+
+#[test]
+fn without_motion_there_is_neither_speed_nor_acceleration() {
+    let folder = folder("still");
+    let scene = dead_leaves(4, 256, 256, &DeadLeaves::default()).unwrap();
+    let grey = GrayImage::from_fn(256, 256, |x, y| Luma([scene[[y as usize, x as usize]].round() as u8]));
+    let path = write(&folder, "a.png", &png(grey));
+    let (_, records) = run_json(["--accel", "--exposure", "10ms", "--scale", "1mm/px", path.to_str().unwrap()]);
+    assert_eq!(records[0]["status"], "no_motion_blur", "{}", records[0]);
+    assert!(records[0]["speed_m_s"].is_null() && records[0]["accel_ratio"].is_null(), "{}", records[0]);
+}
+
+#[test]
 fn the_uncertainty_of_the_speed_follows_that_of_the_length() {
     let folder = folder("uncertainty");
     let path = write(&folder, "a.png", &png(blurred(256, 256, 20, 1)));
@@ -58,16 +129,19 @@ fn the_uncertainty_of_the_speed_follows_that_of_the_length() {
         ["--exposure", "100ms", "--exposure-u", "1ms", "--scale", "1mm/px", "--scale-u", "0.02mm/px", path].iter(),
     );
     let record = &records[0];
-    let Some(length_std) = record["length_std_px"].as_f64() else {
-        // A method that states no uncertainty must not promise one for the speed.
-        assert!(record["speed_std_m_s"].is_null() && record["coverage_k"].is_null(), "{record}");
-        return;
-    };
+    let length_std = number(record, "length_std_px");
     let relative = ((length_std / number(record, "length_px")).powi(2) + 0.02_f64.powi(2) + 0.01_f64.powi(2)).sqrt();
     let expected = number(record, "speed_m_s") * relative;
     assert!((number(record, "speed_std_m_s") - expected).abs() < 1e-9 * expected, "{record}");
     assert_eq!(number(record, "coverage_k"), 2.0);
     assert_eq!(number(record, "speed_expanded_m_s"), 2.0 * number(record, "speed_std_m_s"));
+
+    // A method that states no uncertainty must not promise one for the speed.
+    let (_, records) =
+        run_json(["--length", "autocorrelation", "--exposure", "100ms", "--scale", "1mm/px", path].iter());
+    let record = &records[0];
+    assert!(number(record, "speed_m_s") > 0.0 && record["length_std_px"].is_null(), "{record}");
+    assert!(record["speed_std_m_s"].is_null() && record["coverage_k"].is_null(), "{record}");
 }
 
 #[test]

@@ -31,6 +31,11 @@ fn mistakes_end_with_status_2_before_anything_is_measured() {
         "--method dct-radon+autocorrelation --known-angle 0",
         "--known-angle 0 --angle dct-radon",
         "--known-angle north",
+        "--accel --method phase-autocorrelation",
+        "--accel --method dct-radon+autocorrelation",
+        "--accel --angle dct-radon",
+        "--accel --length autocorrelation",
+        "--accel --known-angle 0",
         "--frobnicate",
     ] {
         let output = run(arguments.split(' '));
@@ -44,6 +49,15 @@ fn mistakes_end_with_status_2_before_anything_is_measured() {
 fn a_number_without_unit_is_answered_with_the_units() {
     assert!(stderr(&run(["--exposure", "100"])).contains("ms, us, s"));
     assert!(stderr(&run(["--scale", "0.7"])).contains("mm/px"));
+}
+
+#[test]
+fn a_method_that_cannot_tell_an_acceleration_is_answered_with_one_that_can() {
+    for arguments in ["--accel --method phase-autocorrelation", "--accel --length autocorrelation"] {
+        let output = run(arguments.split(' '));
+        assert!(stderr(&output).contains("acceleration; known: whittle"), "{output:?}");
+    }
+    assert_eq!(run(["--accel", "--method", "whittle"]).status.code(), Some(0));
 }
 
 #[test]
@@ -95,11 +109,15 @@ fn the_methods_asked_for_are_the_methods_used() {
         (vec!["--length", length], pair.clone()),
         (vec!["--method", &pair], pair.clone()),
         (vec!["--known-angle", "0"], format!("known-angle+{length}")),
+        (vec![], registry::JOINT.first().unwrap().name.to_owned()),
     ] {
         let (status, records) = run_json(arguments.iter().chain([&path]));
         assert_eq!((status, &records[0]["method"]), (0, &expected.into()), "{arguments:?}");
         assert_blur(&records[0], 0.0, 20.0);
     }
+    // No bound here: the phase of white noise has no peak.
+    let (status, records) = run_json(["--method", "phase-autocorrelation", path]);
+    assert_eq!((status, &records[0]["method"]), (0, &"phase-autocorrelation".into()));
     // An axis is the same after a turn by 180 degrees.
     let (_, records) = run_json(["--known-angle", "-180", path]);
     assert_eq!(number(&records[0], "angle_deg"), 0.0);

@@ -99,6 +99,9 @@ pub const JOINT: &[Method<Box<dyn JointEstimator>>] = &[
     },
 ];
 
+/// Joint methods that fit the likelihood and so can look for an [`Acceleration`](super::Acceleration) too.
+pub const ACCELERATION: &[&str] = &["whittle"];
+
 /// The angle method called `name`.
 pub fn angle(name: &str) -> Result<&'static Method<Box<dyn AngleEstimator>>> {
     find("angle", ANGLE, name)

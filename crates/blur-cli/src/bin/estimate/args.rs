@@ -46,6 +46,10 @@ pub(crate) struct Args {
     #[arg(long, value_name = "DEG", help_heading = "Method", value_parser = units::degrees, allow_negative_numbers = true)]
     known_angle: Option<f64>,
 
+    /// Also look for an acceleration: its ratio r = a T / (2 v) without sign, with uncertainty and detection limit
+    #[arg(long, help_heading = "Method")]
+    accel: bool,
+
     /// Measure only this part of each picture: left column, top row, width, height in pixels
     #[arg(long, value_name = "X,Y,W,H", help_heading = "Picture", value_parser = units::region)]
     roi: Option<Region>,
@@ -110,7 +114,11 @@ impl Args {
             (None, None, None) if length.is_none() => Method::recommended()?,
             (None, angle, None) => Method::pair(angle.as_deref(), length)?,
         };
+        if self.accel {
+            method.check_acceleration()?;
+        }
         let mut settings = Settings::default();
+        settings.acceleration = self.accel;
         settings.length_range = self.range;
         settings.window = self.window.map(|window| match window {
             WindowName::None => Window::None,
@@ -188,6 +196,9 @@ What is measured:
   length  distance in pixels that a point of the scene moved across the
           picture during the exposure
   speed   scale * length / exposure, in m/s
+  ratio   with --accel, how strongly the motion accelerated: 0 for a uniform
+          motion, 1 for one that starts or ends at rest; one picture cannot
+          tell speeding up from slowing down
   status  ok, low_confidence (with the reason) or no_motion_blur (no speed)
   After ± stands one standard uncertainty or, where (k = 2) follows, the
   expanded uncertainty. A method that states no uncertainty of the length
@@ -207,8 +218,16 @@ Pictures:
 
 JSON fields (--json), absent when not computed:
   image width height method linearized angle_deg angle_std_deg length_px
-  length_std_px correlation status reason exposure_s exposure_source speed_m_s
-  speed_std_m_s speed_expanded_m_s coverage_k time_ms
+  length_std_px correlation status reason accel_ratio accel_ratio_std
+  accel_ratio_limit gain_per_bin rival_share incoherent_share misfit
+  band_cycles_per_px exposure_s exposure_source speed_m_s speed_std_m_s
+  speed_expanded_m_s coverage_k time_ms
+  accel_ratio_limit is the least ratio that counts as detected.
+  gain_per_bin is the gain in log-likelihood over no blur for each bin of
+  signal, rival_share the evidence for the best other blur relative to this
+  one, incoherent_share the share of light that does not follow the motion,
+  misfit the mean squared residual of the spectrum (1: as expected), and
+  band_cycles_per_px the highest frequency used.
   time_ms is the time of the estimator alone, without reading the file.
   A picture that failed gives image and error.
 
