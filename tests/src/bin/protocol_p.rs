@@ -1,12 +1,15 @@
 //! Prints the accuracy tables of all registered methods: synthetic pictures beside the thesis's means, and the real
 //! pictures beside their truth.
 
+use std::error::Error;
+use std::path::Path;
 use std::process::ExitCode;
 
+use blur_cli::method::Method;
 use blur_cli::picture::{self, Linearize};
 use blur_cli::reproduce::shots;
 use blur_cli::reproduce::statistics::Summary;
-use blur_core::estimate::{JointEstimator, Pair, Settings, registry};
+use blur_core::estimate::{AxialAngle, MotionBlur, Settings, Status};
 use clap::Parser;
 use e2e_tests::data;
 use e2e_tests::protocol::{self, LEVELS, Outcome, Plan};
@@ -26,6 +29,9 @@ struct Arguments {
     /// Angle of the length experiments in degrees; it is given to the methods.
     #[arg(long, value_name = "DEG", default_value_t = 0.0)]
     length_angle: f64,
+    /// Method of the real pictures [default: that of the program]
+    #[arg(long, value_name = "NAME|ANGLE+LENGTH")]
+    joint: Option<String>,
     /// Only the real pictures.
     #[arg(long)]
     real_only: bool,
@@ -37,6 +43,9 @@ struct Arguments {
 /// Errors above these are gross: degrees, pixels.
 const GROSS_DEG: f64 = 5.0;
 const GROSS_PX: f64 = 5.0;
+/// Errors above these are wrong in frames of a phone: degrees, percent of the length.
+const PHONE_GROSS_DEG: f64 = 8.0;
+const PHONE_GROSS_PERCENT: f64 = 25.0;
 /// Means of the thesis's tables 4.1, 4.2, 4.4, 4.5: clean, noisy.
 const THESIS_ANGLE: &[(&str, f64, f64)] = &[
     ("dft-radon", 1.00, 17.52),
@@ -62,7 +71,8 @@ fn main() -> ExitCode {
     }
 }
 
-fn run(arguments: &Arguments) -> Result<(), Box<dyn std::error::Error>> {
+fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
+    let joint = arguments.joint.as_deref().map_or_else(Method::recommended, Method::named)?;
     let folder = data::folder().ok_or("the tables need the pictures of the data folder")?;
     let mut plan = Plan::full();
     if !arguments.method.is_empty() {
@@ -94,7 +104,7 @@ fn run(arguments: &Arguments) -> Result<(), Box<dyn std::error::Error>> {
             }
         }
     }
-    print_real(&folder)
+    print_real(&folder, &joint)
 }
 
 fn level_name(level: usize) -> String {
@@ -155,21 +165,27 @@ fn print_table(title: &str, outcomes: &[Outcome], names: &[&str], gross: f64, th
     }
 }
 
-fn print_real(folder: &std::path::Path) -> Result<(), Box<dyn std::error::Error>> {
-    let settings = Settings::default();
-    let (angle, length) = (&registry::ANGLE[0], &registry::LENGTH[0]);
-    println!("\nreal pictures by {}+{}", angle.name, length.name);
-    println!("{:24} {:>9} {:>9} {:>9} {:>9}  status", "picture", "deg", "truth", "px", "truth");
-    let mut estimator = Pair::new(angle.build(&settings), length.build(&settings));
-    let mut show = |path: &std::path::Path, deg: &str, px: &str| -> Result<_, Box<dyn std::error::Error>> {
+/// What a frame of `real_phone` was measured to be, beside its truth.
+struct Frame {
+    scene: String,
+    off_deg: f64,
+    off_percent: f64,
+    ok: bool,
+}
+
+fn print_real(folder: &Path, method: &Method) -> Result<(), Box<dyn Error>> {
+    println!("\nreal pictures by {}", method.name());
+    println!("{:32} {:>16} {:>9} {:>16} {:>9}  status", "picture", "deg", "truth", "px", "truth");
+    let mut estimator = method.build(&Settings::default());
+    let mut show = |path: &Path, deg: &str, px: &str| -> Result<MotionBlur, Box<dyn Error>> {
         let picture = picture::read(path, Linearize::Auto)?;
-        let name = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
         let found = estimator.estimate(picture.luma.view())?;
         let reason = found.status.doubt().map_or_else(String::new, |doubt| format!(": {doubt}"));
         println!(
-            "{name:24} {:9.2} {deg:>9} {:9.2} {px:>9}  {}{reason}",
-            found.angle.deg(),
-            found.length_px,
+            "{:32} {:>16} {deg:>9} {:>16} {px:>9}  {}{reason}",
+            file_name(path),
+            with_std(found.angle.deg(), found.angle_std_deg),
+            with_std(found.length_px, found.length_std_px),
             found.status.name()
         );
         Ok(found)
@@ -182,19 +198,63 @@ fn print_real(folder: &std::path::Path) -> Result<(), Box<dyn std::error::Error>
     ] {
         show(&folder.join("real_photos").join(name), deg, px)?;
     }
-    let (mut angle_errors, mut length_errors) = (Vec::new(), Vec::new());
+    let mut frames = Vec::new();
     for frame in data::phone_frames(folder)? {
         let found = show(&frame.path, &format!("{:.1}", frame.angle_deg), &format!("{:.1}", frame.length_px))?;
-        let truth = blur_core::estimate::AxialAngle::from_deg(frame.angle_deg);
-        angle_errors.push(found.angle.distance_deg(truth));
-        length_errors.push(100.0 * (found.length_px / frame.length_px - 1.0).abs());
+        let name = file_name(&frame.path);
+        frames.push(Frame {
+            scene: name.split_once('_').map_or(name.as_str(), |(scene, _)| scene).to_owned(),
+            off_deg: found.angle.distance_deg(AxialAngle::from_deg(frame.angle_deg)),
+            off_percent: 100.0 * (found.length_px / frame.length_px - 1.0).abs(),
+            ok: found.status == Status::Ok,
+        });
     }
-    let both = angle_errors.iter().zip(&length_errors).filter(|&(a, l)| *a < 8.0 && *l < 20.0).count();
-    if let (Some(a), Some(l)) = (Summary::of(&angle_errors, 8.0), Summary::of(&length_errors, 20.0)) {
-        println!(
-            "real_phone, all {} frames: median errors {:.1} deg, {:.1} %; within 8 deg and 20 %: {both}",
-            a.n, a.median, l.median
-        );
-    }
+    print_phone(&frames);
     Ok(())
+}
+
+fn file_name(path: &Path) -> String {
+    path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default()
+}
+
+fn with_std(value: f64, std: Option<f64>) -> String {
+    std.map_or_else(|| format!("{value:.2}"), |std| format!("{value:.2} ± {std:.2}"))
+}
+
+/// Medians of the frames of `real_phone`, scene by scene and together.
+fn print_phone(frames: &[Frame]) {
+    println!("\nreal_phone: median errors; wrong ones are off by {PHONE_GROSS_DEG} deg or {PHONE_GROSS_PERCENT} %");
+    println!(
+        "{:12} {:>4} {:>8} {:>8} {:>6} {:>4} {:>8} {:>8} {:>9}",
+        "scene", "n", "deg", "%", "wrong", "ok", "deg, ok", "%, ok", "wrong ok"
+    );
+    let mut scenes: Vec<&str> = frames.iter().map(|frame| frame.scene.as_str()).collect();
+    scenes.sort_unstable();
+    scenes.dedup();
+    for scene in scenes {
+        print_scene(scene, &frames.iter().filter(|frame| frame.scene == scene).collect::<Vec<_>>());
+    }
+    print_scene("all", &frames.iter().collect::<Vec<_>>());
+}
+
+fn print_scene(scene: &str, frames: &[&Frame]) {
+    let ok: Vec<&Frame> = frames.iter().copied().filter(|frame| frame.ok).collect();
+    let median = |frames: &[&Frame], error: fn(&Frame) -> f64| {
+        let errors: Vec<f64> = frames.iter().map(|frame| error(frame)).collect();
+        Summary::of(&errors, f64::INFINITY).map_or_else(|| "-".to_owned(), |s| format!("{:.1}", s.median))
+    };
+    let wrong = |frames: &[&Frame]| {
+        frames.iter().filter(|f| !(f.off_deg <= PHONE_GROSS_DEG && f.off_percent <= PHONE_GROSS_PERCENT)).count()
+    };
+    println!(
+        "{scene:12} {:4} {:>8} {:>8} {:6} {:4} {:>8} {:>8} {:9}",
+        frames.len(),
+        median(frames, |f| f.off_deg),
+        median(frames, |f| f.off_percent),
+        wrong(frames),
+        ok.len(),
+        median(&ok, |f| f.off_deg),
+        median(&ok, |f| f.off_percent),
+        wrong(&ok)
+    );
 }
