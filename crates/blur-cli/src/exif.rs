@@ -1,4 +1,4 @@
-//! What a camera wrote into a picture file: orientation, exposure time, maker.
+//! What a camera wrote into a picture file: orientation, exposure time.
 
 use std::io::Cursor;
 
@@ -13,15 +13,13 @@ pub struct Exif {
     pub orientation: Orientation,
     /// Exposure time in seconds, greater than 0; `None` when the file states none.
     pub exposure_s: Option<f64>,
-    /// A camera signed the file (tag `Make` or `Model`).
-    pub camera: bool,
     /// Why some of the EXIF data were ignored.
     pub note: Option<String>,
 }
 
 impl Default for Exif {
     fn default() -> Self {
-        Self { orientation: Orientation::NoTransforms, exposure_s: None, camera: false, note: None }
+        Self { orientation: Orientation::NoTransforms, exposure_s: None, note: None }
     }
 }
 
@@ -44,7 +42,6 @@ impl Exif {
         Self {
             orientation: field(Tag::Orientation).and_then(orientation).unwrap_or(Orientation::NoTransforms),
             exposure_s: field(Tag::ExposureTime).and_then(exposure_s),
-            camera: [Tag::Make, Tag::Model].into_iter().any(|tag| field(tag).is_some_and(has_text)),
             note,
         }
     }
@@ -58,8 +55,4 @@ fn exposure_s(field: &Field) -> Option<f64> {
     let Value::Rational(ratios) = &field.value else { return None };
     let seconds = ratios.first()?.to_f64();
     (seconds.is_finite() && seconds > 0.0).then_some(seconds)
-}
-
-fn has_text(field: &Field) -> bool {
-    matches!(&field.value, Value::Ascii(lines) if lines.iter().flatten().any(u8::is_ascii_graphic))
 }

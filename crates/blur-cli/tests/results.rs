@@ -266,7 +266,7 @@ fn depth_channels_and_container_do_not_change_the_result() {
 }
 
 #[test]
-fn only_camera_jpegs_are_linearized_by_themselves() {
+fn only_jpegs_are_linearized_by_themselves() {
     let folder = folder("linearize");
     let picture = blurred(256, 256, 20, 1);
     let camera = write(&folder, "camera.jpg", &jpeg_with_exif(&picture, &exif(1, (1, 100))));
@@ -278,7 +278,7 @@ fn only_camera_jpegs_are_linearized_by_themselves() {
         assert_eq!(status, 0);
         records.iter().map(|record| record["linearized"].as_bool().unwrap()).collect()
     };
-    assert_eq!(linearized("--linearize=auto"), [true, false, false]);
+    assert_eq!(linearized("--linearize=auto"), [true, true, false]);
     assert_eq!(linearized("--linearize=on"), [true, true, true]);
     assert_eq!(linearized("--linearize=off"), [false, false, false]);
     assert!(stdout(&run([camera])).contains("linearized (sRGB)"));

@@ -31,7 +31,8 @@ const MAX_FILE_BYTES: u64 = MAX_BYTES + (1 << 26);
 /// curve that a camera applies afterwards bends the mixture.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Linearize {
-    /// On for JPEG files that a camera signed (EXIF tag `Make` or `Model`), off for all others.
+    /// On for JPEG files, whose samples follow the sRGB curve unless they say otherwise (nearly all are photographs, many
+    /// of them stripped of what their camera wrote); off for all others.
     #[default]
     Auto,
     /// Always.
@@ -79,7 +80,7 @@ pub fn decode(bytes: &[u8], linearize: Linearize) -> Result<Picture> {
     }
     let exif = Exif::from_file_bytes(bytes);
     let linear = match linearize {
-        Linearize::Auto => format == Format::Jpeg && exif.camera,
+        Linearize::Auto => format == Format::Jpeg,
         Linearize::On => true,
         Linearize::Off => false,
     };

@@ -62,7 +62,7 @@ pub(crate) struct Args {
     #[arg(long, value_name = "MIN,MAX", help_heading = "Picture", value_parser = units::length_range)]
     range: Option<LengthRange>,
 
-    /// Undo the sRGB tone curve first; auto: for JPEG files that a camera signed in their EXIF data
+    /// Undo the sRGB tone curve first; auto: for JPEG files
     #[arg(long, value_name = "WHEN", help_heading = "Picture", default_value = "auto")]
     linearize: LinearizeWhen,
 
