@@ -64,6 +64,13 @@ pub enum Doubt {
         /// Least gain of a trusted answer.
         needed: f64,
     },
+    /// The likelihood as a whole gains too little over no blur.
+    SmallGain {
+        /// Gain in log-likelihood.
+        gain: f64,
+        /// Least gain of a trusted answer.
+        needed: f64,
+    },
     /// A lens out of focus explains the spectrum as well as a motion.
     Defocus {
         /// Gain in log-likelihood of the motion over the best disk.
@@ -137,6 +144,9 @@ impl fmt::Display for Doubt {
             }
             Self::WeakEvidence { per_bin, needed } => {
                 write!(f, "hardly more likely than no blur: gain {per_bin:.4} a bin, {needed:.3} needed")
+            }
+            Self::SmallGain { gain, needed } => {
+                write!(f, "hardly more likely than no blur: gain {gain:.1} in all, {needed:.0} needed")
             }
             Self::Defocus { gain, needed } => {
                 write!(f, "a lens out of focus explains it as well: gain {gain:.0} over a disk, {needed:.0} needed")
@@ -299,18 +309,19 @@ pub struct Acceleration {
     pub ratio: f64,
     /// Standard uncertainty of `|r|`, first order in that of `r^2`; near `r = 0` no more than the detection limit.
     pub ratio_std: f64,
-    /// A uniform motion is read as `|r|` above this in 5 % of cases.
+    /// The root of three standard uncertainties of `r^2` at a uniform motion: few uniform motions are read as more.
     pub detection_limit: f64,
 }
 
 impl Acceleration {
-    /// 95 % of a normal distribution lie below this many standard deviations.
-    const ONE_SIDED: f64 = 1.645;
+    /// Standard deviations of `r^2` from a uniform motion to the detection limit. Two would do for an error that is normal;
+    /// near 0 the structure of the scene adds to it.
+    const LIMIT: f64 = 3.0;
 
-    /// From `r^2`, 0 to 1, and its standard uncertainty: the spectrum is a function of the square.
-    pub(crate) fn from_square(ratio2: f64, std: f64) -> Self {
+    /// From `r^2`, 0 to 1, its standard uncertainty and that at a uniform motion: the spectrum is a function of the square.
+    pub(crate) fn from_square(ratio2: f64, std: f64, uniform_std: f64) -> Self {
         let ratio = ratio2.clamp(0.0, 1.0).sqrt();
-        let detection_limit = (Self::ONE_SIDED * std).sqrt();
+        let detection_limit = (Self::LIMIT * uniform_std).sqrt();
         let ratio_std = if ratio > 0.0 { (0.5 * std / ratio).min(detection_limit) } else { detection_limit };
         Self { ratio, ratio_std, detection_limit }
     }

@@ -201,7 +201,7 @@ fn result(
     outcome: &Outcome,
     status: Status,
     (rows, columns): (usize, usize),
-    ratio2: Option<(f64, f64)>,
+    ratio2: Option<(f64, f64, f64)>,
 ) -> MotionBlur {
     let covariance = &outcome.covariance;
     let (log_length_std, angle_std) = (covariance[0][0].sqrt(), covariance[1][1].sqrt());
@@ -224,7 +224,7 @@ fn result(
             rows,
             columns,
         }),
-        acceleration: ratio2.map(|(ratio2, std)| Acceleration::from_square(ratio2, std)),
+        acceleration: ratio2.map(|(ratio2, std, uniform)| Acceleration::from_square(ratio2, std, uniform)),
     }
 }
 

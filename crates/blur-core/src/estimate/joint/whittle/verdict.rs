@@ -38,8 +38,10 @@ pub(super) fn status(outcome: &Outcome, range: LengthRange) -> Status {
         Status::NoMotionBlur(Doubt::Defocus { gain: outcome.over_disk, needed: LEAST_OVER_DISK })
     } else if outcome.density < NO_DENSITY {
         Status::NoMotionBlur(weak)
-    } else if outcome.density < needed || outcome.gain < LEAST_GAIN {
+    } else if outcome.density < needed {
         Status::LowConfidence(weak)
+    } else if outcome.gain < LEAST_GAIN {
+        Status::LowConfidence(Doubt::SmallGain { gain: outcome.gain, needed: LEAST_GAIN })
     } else if share > MOST_SHARE {
         Status::LowConfidence(Doubt::Incoherent { share, most: MOST_SHARE })
     } else if outcome.peaks > PERIODIC && !strong {

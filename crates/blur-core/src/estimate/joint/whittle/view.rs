@@ -165,14 +165,18 @@ impl View {
         Some(outcome)
     }
 
-    /// `|r|^2` and its standard deviation from the fit of the accelerated blur at the last result.
-    pub(super) fn acceleration(&mut self, outcome: &Outcome) -> Option<(f64, f64)> {
-        self.gather(self.points[0].angle, 1, outcome.band);
+    /// `r^2` from the fit of the accelerated blur at the last result, its standard deviation, and what that would be for a
+    /// uniform motion.
+    pub(super) fn acceleration(&mut self, outcome: &Outcome) -> Option<(f64, f64, f64)> {
+        let width = self.width_for(outcome.length);
+        self.gather(self.points[0].angle, width, outcome.band);
         let [best, trial, _] = &mut self.points;
         trial.copy(best);
+        let scale = widening(trial, outcome.band);
+        self.fit.maximise(&self.cells, Kernel::AcceleratedLine, trial, Effort { steps: 0, ..FINAL });
+        let uniform = scale * self.fit.covariance()?[2][2].sqrt();
         self.fit.maximise(&self.cells, Kernel::AcceleratedLine, trial, FINAL);
-        let covariance = self.fit.covariance()?;
-        Some((trial.ratio2, widening(trial, outcome.band) * covariance[2][2].sqrt()))
+        Some((trial.ratio2, scale * self.fit.covariance()?[2][2].sqrt(), uniform))
     }
 
     /// Lets every band search and joins what they find into modes, the one with most votes first.
