@@ -5,6 +5,8 @@ mod periodogram;
 mod response;
 mod scene;
 mod search;
+#[cfg(test)]
+mod testing;
 mod verdict;
 mod view;
 
