@@ -12,6 +12,8 @@ mod view;
 
 use ndarray::ArrayView2;
 
+pub(super) use self::scene::{MEAN, STD, TERMS, terms};
+
 use self::view::{Outcome, View};
 use crate::estimate::per_size::PerSize;
 use crate::estimate::{
