@@ -6,3 +6,26 @@ mod whittle;
 
 pub use phase_autocorrelation::PhaseAutocorrelation;
 pub use whittle::{Stage, Whittle};
+pub use whittle::Whittle;
+
+/// Terms of the mean log power spectrum of sharp pictures, as [`Whittle`] expands it.
+pub const SCENE_TERMS: usize = whittle::TERMS;
+
+/// The terms at the frequency `(u, v)` in cycles per pixel, `v` downwards, not both 0: `1, x, x^2`, the cosine and sine
+/// of 2 and 4 times the direction, `x^3`, those of 6 and 8 times the direction, `x` times those of 2 and 4, then the
+/// ridges along both axes; `x = ln(f / 0.1)` at the radius `f`. They expand the logarithm of the power times
+/// `(f / 0.1)^2.2`.
+///
+/// ```
+/// let terms = blur_core::estimate::joint::scene_terms(0.1, 0.0);
+/// assert_eq!(terms[..5], [1.0, 0.0, 0.0, 1.0, 0.0]);
+/// ```
+pub fn scene_terms(u: f64, v: f64) -> [f64; SCENE_TERMS] {
+    whittle::terms(u, v)
+}
+
+/// Mean and standard deviation over sharp pictures of the amplitude of each of [`scene_terms`], the prior of
+/// [`Whittle`]. That of the first term, the level, is free.
+pub fn scene_prior() -> ([f64; SCENE_TERMS], [f64; SCENE_TERMS]) {
+    (whittle::MEAN, whittle::STD)
+}

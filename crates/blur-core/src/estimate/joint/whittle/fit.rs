@@ -777,3 +777,244 @@ fn sum(values: &[f32; WIDTH]) -> f32 {
 fn total(lanes: &[f32; LANES]) -> f32 {
     ((lanes[0] + lanes[4]) + (lanes[1] + lanes[5])) + ((lanes[2] + lanes[6]) + (lanes[3] + lanes[7]))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::periodogram::MOST_FREQUENCY;
+    use super::super::testing::Random;
+    use super::*;
+    use crate::image::Window;
+
+    const KERNELS: [Kernel; 4] = [Kernel::None, Kernel::Line, Kernel::AcceleratedLine, Kernel::Disk];
+    const EFFORT: Effort = Effort { steps: 40, least_gain: 1e-3 };
+
+    /// Everything that a fit to one spectrum needs.
+    struct Bench {
+        periodogram: Periodogram,
+        sums: CellSums,
+        cells: Cells,
+        fit: Fit,
+    }
+
+    impl Bench {
+        fn new(rows: usize, columns: usize) -> Self {
+            let side = rows.max(columns);
+            let sums = CellSums::new(side);
+            Self {
+                periodogram: Periodogram::new(rows, columns, Window::Tukey { taper: 0.25 }),
+                cells: Cells::new(sums.capacity()),
+                fit: Fit::new(side),
+                sums,
+            }
+        }
+
+        fn gather(&mut self, angle: f64, noise: f64) {
+            self.periodogram.gather(angle, 1, MOST_FREQUENCY, &mut self.sums);
+            self.cells.set(&self.sums, self.periodogram.independence, noise as f32);
+            self.fit.set_direction(&self.periodogram, &self.sums, MOST_FREQUENCY);
+        }
+
+        /// A spectrum drawn from the model at `truth`, gathered along `angle`.
+        fn draw(&mut self, kernel: Kernel, truth: &Point, angle: f64, random: &mut Random) {
+            // The window's lobe is that along the true direction.
+            self.gather(truth.angle, truth.log_noise.exp());
+            self.fit.tabulate(kernel, truth);
+            let (sin, cos) = truth.angle.sin_cos();
+            let falls = scene::falls(&truth.scene);
+            let response = &self.fit.response;
+            self.periodogram.set_powers(|u, v| {
+                let (s, r2) = (u * cos - v * sin, u * u + v * v);
+                let x = 0.5 * (100.0 * r2).ln();
+                let fall = falls[0] - x * (falls[1] + x * falls[2]);
+                let along = if kernel == Kernel::Disk { r2.sqrt() } else { s };
+                let transfer = match kernel {
+                    Kernel::None => 1.0,
+                    _ => f64::from(response.at(along as f32, (fall * along / r2) as f32).power) + truth.log_share.exp(),
+                };
+                let terms = scene::terms(u, v);
+                let level: f64 = terms.iter().zip(&truth.scene).map(|(term, c)| term * c).sum();
+                let whitening = (r2.sqrt() / 0.1).powf(super::super::periodogram::FALL);
+                let scene = (level + truth.patches[patch_of(u, v)]).exp() / whitening;
+                (scene * transfer + truth.log_noise.exp()) * random.exponential()
+            });
+            self.gather(angle, truth.log_noise.exp());
+        }
+
+        fn score(&mut self, kernel: Kernel, point: &Point) -> Score {
+            let mut score = Score::new();
+            self.fit.tabulate(kernel, point);
+            self.fit.response.score(&self.cells, kernel, point, true, &mut score);
+            score
+        }
+    }
+
+    /// A blur of `length` along `deg` over an ordinary scene with little noise.
+    fn truth(length: f64, deg: f64) -> Point {
+        let mut point = Point::new();
+        point.start(length, deg.to_radians(), 1e-4);
+        point.ratio2 = 0.36;
+        point.scene[0] = 1.0;
+        point
+    }
+
+    /// `point` with one parameter moved.
+    fn moved(point: &Point, parameter: usize, by: f64) -> Point {
+        let mut point = point.clone();
+        match parameter {
+            LENGTH => point.length *= by.exp(),
+            ANGLE => point.angle += by,
+            NOISE => point.log_noise += by,
+            SHARE => point.log_share += by,
+            RATIO2 => point.ratio2 += by,
+            _ => point.scene[parameter - SCENE] += by,
+        }
+        point
+    }
+
+    #[test]
+    fn the_gradient_is_the_limit_of_differences() {
+        for (seed, kernel) in KERNELS.into_iter().enumerate() {
+            let mut random = Random::new(seed as u64);
+            let mut bench = Bench::new(96, 128);
+            let mut point = truth(9.7, 33.0);
+            bench.draw(kernel, &point, point.angle + 0.01, &mut random);
+            // Not at the maximum.
+            point.length *= 1.03;
+            point.log_noise += 0.3;
+            point.log_share += 0.5;
+            for amplitude in &mut point.scene {
+                *amplitude += 0.05 * random.normal();
+            }
+            for deviation in &mut point.patches {
+                *deviation = 0.1 * random.normal();
+            }
+            let score = bench.score(kernel, &point);
+            for parameter in 0..PARAMETERS {
+                let std = score.information[(parameter, parameter)].sqrt().recip();
+                // Half a standard deviation either way stands out from rounding; angles and lengths curve sooner.
+                let h = (0.5 * std).min(if parameter < NOISE { 2e-3 } else { 0.05 });
+                let loss = |by: f64, bench: &mut Bench| bench.score(kernel, &moved(&point, parameter, by)).loss;
+                let difference = (loss(h, &mut bench) - loss(-h, &mut bench)) / (2.0 * h);
+                let miss = (score.gradient[parameter] - difference) * std;
+                // The gradient leaves out that the leakage depends on the fall of the scene's spectrum, three of its
+                // amplitudes, and a little on the angle.
+                let most = if [1, 2, 7].map(|k| SCENE + k).contains(&parameter) { 0.15 } else { 0.03 };
+                assert!(
+                    miss.abs() < most,
+                    "{kernel:?} {parameter}: {} not {difference}, {miss} standard deviations",
+                    score.gradient[parameter]
+                );
+            }
+            for patch in [0, 40, 100, 150] {
+                let h = 0.1;
+                let mut loss = |by: f64| {
+                    let mut point = point.clone();
+                    point.patches[patch] += by;
+                    bench.score(kernel, &point).loss
+                };
+                let difference = (loss(h) - loss(-h)) / (2.0 * h);
+                let miss = (score.patch_gradient[patch] - difference) / score.patch_information[patch].sqrt();
+                assert!(miss.abs() < 0.03, "{kernel:?} patch {patch}: {miss} standard deviations");
+            }
+        }
+    }
+
+    #[test]
+    fn the_expected_information_is_positive_definite() {
+        for (seed, kernel) in KERNELS.into_iter().enumerate() {
+            let mut bench = Bench::new(96, 128);
+            let point = truth(9.7, 112.0);
+            bench.draw(kernel, &point, point.angle, &mut Random::new(seed as u64));
+            let score = bench.score(kernel, &point);
+            let reduced: Option<Cholesky<f64, Const<PARAMETERS>>> = Cholesky::new(score.reduced_information());
+            assert!(reduced.is_some(), "{kernel:?}");
+            let mut whole = score.information;
+            whole.fill_lower_triangle_with_upper_triangle();
+            assert!(Cholesky::<f64, Const<PARAMETERS>>::new(whole).is_some(), "{kernel:?}");
+            assert!(score.patch_information.iter().all(|&own| own > 0.0), "{kernel:?}");
+        }
+    }
+
+    #[test]
+    fn the_maximum_of_a_drawn_spectrum_is_the_truth_within_its_uncertainty() {
+        let mut squares = [0.0; 2];
+        let mut count = 0.0;
+        for (seed, deg) in [0.0_f64, 21.0, 45.0, 90.0, 133.0, 178.5].into_iter().enumerate() {
+            for length in [8.3, 21.7] {
+                let mut bench = Bench::new(160, 128);
+                let truth = truth(length, deg);
+                bench.draw(Kernel::Line, &truth, truth.angle, &mut Random::new(seed as u64));
+                let mut point = Point::new();
+                point.start(1.04 * length, truth.angle + 0.02, 1e-4);
+                bench.fit.start_scene(&bench.cells, Kernel::Line, &mut point);
+                bench.fit.maximise(&bench.cells, Kernel::Line, &mut point, EFFORT);
+                let covariance = bench.fit.covariance().unwrap();
+                let z = [
+                    (point.length / length).ln() / covariance[0][0].sqrt(),
+                    (point.angle - truth.angle) / covariance[1][1].sqrt(),
+                ];
+                assert!(z.iter().all(|z| z.abs() < 4.0), "{deg} deg {length} px: {z:?}");
+                for (sum, z) in squares.iter_mut().zip(z) {
+                    *sum += z * z;
+                }
+                count += 1.0;
+            }
+        }
+        let rms = squares.map(|sum| (sum / count).sqrt());
+        // The root mean square of twelve standard normal deviations is outside of this once in a hundred cases.
+        assert!(rms.iter().all(|rms| (0.5..1.5).contains(rms)), "{rms:?}");
+    }
+
+    #[test]
+    fn an_acceleration_is_found_within_its_uncertainty() {
+        let mut squares = 0.0;
+        for seed in 0..6 {
+            let mut bench = Bench::new(160, 160);
+            let truth = truth(14.0, 21.0);
+            bench.draw(Kernel::AcceleratedLine, &truth, truth.angle, &mut Random::new(seed));
+            let mut point = truth.clone();
+            point.start(14.0, truth.angle, 1e-4);
+            point.ratio2 = 0.1;
+            bench.fit.start_scene(&bench.cells, Kernel::AcceleratedLine, &mut point);
+            bench.fit.maximise(&bench.cells, Kernel::AcceleratedLine, &mut point, EFFORT);
+            let std = bench.fit.covariance().unwrap()[2][2].sqrt();
+            let z = (point.ratio2 - truth.ratio2) / std;
+            assert!(z.abs() < 4.0, "{seed}: {z}");
+            squares += z * z;
+        }
+        assert!(squares / 6.0 < 2.5, "{squares}");
+    }
+
+    #[test]
+    fn the_scatter_of_the_patches_is_learnt() {
+        for planted in [0.1, 0.5] {
+            let mut random = Random::new(7);
+            let mut bench = Bench::new(256, 256);
+            let mut truth = truth(12.0, 33.0);
+            for deviation in &mut truth.patches {
+                *deviation = planted * random.normal();
+            }
+            bench.draw(Kernel::Line, &truth, truth.angle, &mut random);
+            let mut point = Point::new();
+            point.start(12.0, truth.angle, 1e-4);
+            bench.fit.start_scene(&bench.cells, Kernel::Line, &mut point);
+            for _ in 0..6 {
+                bench.fit.maximise(&bench.cells, Kernel::Line, &mut point, EFFORT);
+                bench.fit.learn_roughness(&mut point);
+            }
+            // Roughly: the upper octaves have patches of many bins, the others cling to the first guess.
+            for &learnt in &point.roughness[..2] {
+                assert!((learnt / planted).ln().abs() < 1.6_f64.ln(), "{planted}: {:?}", point.roughness);
+            }
+        }
+    }
+
+    #[test]
+    fn patches_are_halves_of_octaves() {
+        assert_eq!(octave_of(patch_of(0.3, 0.0)), 0);
+        assert_eq!(octave_of(patch_of(0.0, 0.2)), 1);
+        // Below the last octave they stay in it.
+        assert_eq!(octave_of(patch_of(0.001, 0.001)), OCTAVES - 1);
+        assert!(patch_of(0.49, -1e-12) < PATCHES && patch_of(1e-12, 0.49) < PATCHES);
+    }
+}

@@ -5,10 +5,14 @@ mod periodogram;
 mod response;
 mod scene;
 mod search;
+#[cfg(test)]
+mod testing;
 mod verdict;
 mod view;
 
 use ndarray::ArrayView2;
+
+pub(super) use self::scene::{MEAN, STD, TERMS, terms};
 
 use self::view::{Outcome, View};
 use crate::estimate::per_size::PerSize;

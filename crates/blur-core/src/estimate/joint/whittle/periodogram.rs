@@ -119,6 +119,14 @@ impl Periodogram {
         }
     }
 
+    /// Powers by their frequency, not whitened, take the place of a picture's.
+    #[cfg(test)]
+    pub(super) fn set_powers(&mut self, mut power: impl FnMut(f64, f64) -> f64) {
+        for (((out, &weight), &u), &v) in self.whitened.iter_mut().zip(&self.weight).zip(&self.u).zip(&self.v) {
+            *out = power(f64::from(u), f64::from(v)) as f32 * weight;
+        }
+    }
+
     /// Power of each bin, not whitened.
     pub(super) fn powers(&self) -> impl Iterator<Item = f32> {
         self.whitened.iter().zip(&self.weight).map(|(power, weight)| power / weight)

@@ -205,3 +205,193 @@ impl Response {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::image::Window;
+
+    const TUKEY: Window = Window::Tukey { taper: 0.25 };
+    const SIZES: [(usize, usize); 2] = [(64, 96), (101, 67)];
+    const ANGLES_DEG: [f64; 4] = [0.0, 33.0, 90.0, 152.0];
+    const LENGTHS: [f64; 3] = [6.3, 11.0, 19.7];
+
+    fn response(window: Window, (rows, columns): (usize, usize), deg: f64) -> Response {
+        let mut periodogram = Periodogram::new(rows, columns, window);
+        let mut sums = CellSums::new(rows.max(columns));
+        periodogram.set_powers(|_, _| 1.0);
+        periodogram.gather(deg.to_radians(), 1, MOST_FREQUENCY, &mut sums);
+        let mut response = Response::new(rows.max(columns));
+        response.set_direction(&periodogram, &sums, MOST_FREQUENCY);
+        response
+    }
+
+    /// Autocorrelation of the window along an axis of `n` pixels, 1 at lag 0 and linear between whole lags.
+    fn autocorrelation(window: Window, n: usize) -> impl Fn(f64) -> f64 {
+        let at = |lag: usize| (lag..n).map(|i| window.weight(i, n) * window.weight(i - lag, n)).sum::<f64>();
+        let values: Vec<f64> = (0..n + 2).map(|lag| at(lag) / at(0)).collect();
+        move |lag| {
+            let below = (lag as usize).min(n);
+            let share = (lag - below as f64).min(1.0);
+            (1.0 - share) * values[below] + share * values[below + 1]
+        }
+    }
+
+    /// Autocorrelation of the window at a lag along `deg`.
+    fn along(window: Window, (rows, columns): (usize, usize), deg: f64) -> impl Fn(f64) -> f64 {
+        let (sin, cos) = deg.to_radians().sin_cos();
+        let (in_column, in_row) = (autocorrelation(window, rows), autocorrelation(window, columns));
+        move |lag| in_row(lag * cos.abs()) * in_column(lag * sin.abs())
+    }
+
+    /// The window's autocorrelation times the triangle that a box of `length` has for its own, at the midpoints of
+    /// small pieces: the transfer as the window shows it is their cosine transform.
+    fn lags(window: impl Fn(f64) -> f64, length: f64) -> Vec<(f64, f64)> {
+        const PIECES: usize = 200;
+        let piece = length / PIECES as f64;
+        let value = |lag: f64| 2.0 * piece / length * (1.0 - lag / length) * window(lag);
+        (0..PIECES).map(|i| (i as f64 + 0.5) * piece).map(|lag| (lag, value(lag))).collect()
+    }
+
+    /// Share of the window's lobe farther out than `reach` cycles per pixel.
+    fn tail(window: impl Fn(f64) -> f64, longest: f64, reach: f64) -> f64 {
+        let piece = longest / 4000.0;
+        let within = (0..4000).map(|i| (f64::from(i) + 0.5) * piece);
+        1.0 - within.map(|lag| 2.0 * piece * window(lag) * (2.0 * PI * reach * lag).sin() / (PI * lag)).sum::<f64>()
+    }
+
+    /// Holds the table of a uniform blur against the cosine transform; `bound` takes the envelope of the transfer and
+    /// the share of the lobe that the table leaves out.
+    fn assert_uniform(window: Window, bound: impl Fn(f64, f64) -> f64) {
+        for dim in SIZES {
+            for deg in ANGLES_DEG {
+                let mut response = response(window, dim, deg);
+                let along = along(window, dim, deg);
+                let reach = (LOBE as f64 + 0.5) * response.step;
+                let left_out = tail(&along, 200.0, reach).abs();
+                for length in LENGTHS {
+                    response.set_uniform(length);
+                    let lags = lags(&along, length);
+                    // At points of the table: between them it is linear.
+                    for k in 0..2 * dim.0.min(dim.1) {
+                        let s = k as f64 * response.step;
+                        let expected: f64 = lags.iter().map(|(lag, value)| value * (2.0 * PI * s * lag).cos()).sum();
+                        let envelope = 1.0_f64.min((PI * length * s).powi(-2));
+                        let found = f64::from(response.at(s as f32, 0.0).power);
+                        assert!(
+                            (found - expected).abs() < bound(envelope, left_out),
+                            "{dim:?} {deg} deg {length} px at {s}: {found} not {expected}; {left_out} left out"
+                        );
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_uniform_blur_is_the_cosine_transform_of_its_lags_under_the_window() {
+        // The lobe of Hann's window is as good as nothing beyond five bins.
+        assert_uniform(Window::Hann, |envelope, _| 2e-3 * envelope + 1e-4);
+    }
+
+    #[test]
+    fn a_uniform_blur_lacks_no_more_than_the_far_end_of_the_lobe() {
+        // No more can be missing than is left out, the transfer being at most 1.
+        assert_uniform(TUKEY, |_, left_out| left_out + 1e-4);
+    }
+
+    #[test]
+    fn the_derivative_along_the_motion_is_that_of_the_cosine_transform() {
+        let (dim, deg, length) = ((128, 192), 33.0, 11.0);
+        let mut response = response(TUKEY, dim, deg);
+        response.set_uniform(length);
+        let lags = lags(along(TUKEY, dim, deg), length);
+        for k in 1..380 {
+            let s = k as f64 * response.step;
+            let expected: f64 =
+                lags.iter().map(|(lag, value)| -2.0 * PI * lag * value * (2.0 * PI * s * lag).sin()).sum();
+            let found = f64::from(response.at(s as f32, 0.0).per_s);
+            let mirrored = f64::from(response.at(-s as f32, 0.0).per_s);
+            assert_eq!(found, -mirrored, "{s}");
+            // Half a per cent of the steepest slopes, which are of the order of the length.
+            assert!((found - expected).abs() < 5e-3 * length, "{s}: {found} instead of {expected}");
+        }
+    }
+
+    /// Largest difference of a derivative from the central difference of the power over the step `h` either way.
+    fn miss(
+        dim: (usize, usize),
+        derivative: impl Fn(Value) -> f32,
+        h: f64,
+        mut fill: impl FnMut(&mut Response, f64),
+    ) -> f64 {
+        let (mut here, mut low, mut high) =
+            (response(TUKEY, dim, 33.0), response(TUKEY, dim, 33.0), response(TUKEY, dim, 33.0));
+        fill(&mut here, 0.0);
+        fill(&mut low, -h);
+        fill(&mut high, h);
+        (1..470)
+            .map(|k| {
+                // Off the points of the table, with leakage from the bright side.
+                let (s, beta) = (k as f32 * 1e-3, 7.0);
+                let difference = f64::from(high.at(s, beta).power) - f64::from(low.at(s, beta).power);
+                (f64::from(derivative(here.at(s, beta))) - difference / (2.0 * h)).abs()
+            })
+            .fold(0.0, f64::max)
+    }
+
+    #[test]
+    fn derivatives_are_the_limits_of_differences() {
+        let dim = (64, 96);
+        // Values of the order of 1 in single precision over a step of 2e-3, and the third derivative.
+        let uniform = miss(dim, |value| value.per_log_length, 1e-3, |r, h| r.set_uniform(12.0 * h.exp()));
+        assert!(uniform < 5e-4, "{uniform}");
+        let disk = miss(dim, |value| value.per_log_length, 1e-3, |r, h| r.set_disk(12.0 * h.exp()));
+        assert!(disk < 5e-4, "{disk}");
+        let accelerated = |r: &mut Response, h: f64| r.set_accelerated(12.0 * h.exp(), 0.36);
+        let accelerated = miss(dim, |value| value.per_log_length, 1e-3, accelerated);
+        assert!(accelerated < 5e-4, "{accelerated}");
+        for ratio2 in [0.1, 0.36, 0.9] {
+            let ratio = miss(dim, |value| value.per_ratio2, 1e-2, |r, h| r.set_accelerated(12.0, ratio2 + h));
+            assert!(ratio < 5e-4, "{ratio2}: {ratio}");
+        }
+    }
+
+    #[test]
+    fn no_acceleration_is_the_uniform_blur() {
+        let (mut uniform, mut accelerated) = (response(TUKEY, (64, 96), 33.0), response(TUKEY, (64, 96), 33.0));
+        uniform.set_uniform(12.0);
+        accelerated.set_accelerated(12.0, 0.0);
+        for k in 0..480 {
+            let (a, b) = (uniform.at(k as f32 * 1e-3, 5.0), accelerated.at(k as f32 * 1e-3, 5.0));
+            assert!((a.power - b.power).abs() < 1e-6, "{k}: {a:?} {b:?}");
+            assert!((a.per_log_length - b.per_log_length).abs() < 1e-4, "{k}: {a:?} {b:?}");
+        }
+    }
+
+    #[test]
+    fn an_accelerated_blur_is_r_over_pi_at_the_first_dark_line() {
+        // |H(1/L)| = |r|/pi [1 - (21/(2 pi^2) - 1) r^2 + O(r^4)], 6.2 % below |r|/pi at |r| = 1.
+        let cubic = 21.0 / (2.0 * PI * PI) - 1.0;
+        let mut response = response(TUKEY, (64, 96), 0.0);
+        // A point of the table, before the window smears it, lies on the line.
+        let length = 12.0;
+        let on_line = REACH + PER_BIN * 96 / 12;
+        let mut relative = |ratio: f64| {
+            response.set_accelerated(length, ratio * ratio);
+            f64::from(response.raw[0][on_line]).sqrt() / (ratio.abs() / PI)
+        };
+        for ratio in [0.01, 0.03] {
+            assert!((relative(ratio) - 1.0).abs() < 1e-3, "{ratio}");
+        }
+        for ratio in [0.1, 0.2, 0.4_f64] {
+            let expected = 1.0 - cubic * ratio.powi(2);
+            assert!((relative(ratio) - expected).abs() < 0.05 * ratio.powi(4) + 1e-6, "{ratio}: {}", relative(ratio));
+        }
+        assert!((relative(1.0) - 0.938).abs() < 1e-3, "{}", relative(1.0));
+        for ratio in [0.05, 0.5, 1.0] {
+            let mtf = |ratio| AcceleratedBlur::new(length, ratio).unwrap().mtf(1.0 / length);
+            assert!((mtf(ratio) - mtf(-ratio)).abs() < 1e-12, "{ratio}");
+        }
+    }
+}

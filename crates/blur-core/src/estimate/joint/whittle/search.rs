@@ -338,3 +338,65 @@ pub(super) fn log_powers(periodogram: &Periodogram, noise: f32, powers: &mut [f3
         *log = ln(power + noise);
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::testing::Random;
+    use super::*;
+    use crate::image::Window;
+
+    #[test]
+    fn a_planted_pattern_is_the_first_candidate() {
+        let range = LengthRange::new(4.0, 80.0).unwrap();
+        for (rows, columns) in [(128, 128), (120, 161)] {
+            let periodogram = Periodogram::new(rows, columns, Window::Hann);
+            for most_frequency in [0.45, 0.225] {
+                let mut band = Band::new(&periodogram, most_frequency, range).unwrap();
+                for (seed, deg) in [0.0_f64, 30.7, 45.0, 90.0, 133.3, 179.0].into_iter().enumerate() {
+                    for length in [9.0, 19.3] {
+                        let mut random = Random::new(seed as u64);
+                        let (sin, cos) = deg.to_radians().sin_cos();
+                        // A scene that falls with the frequency and has a direction, and powers that scatter.
+                        let powers: Vec<f32> = periodogram
+                            .u
+                            .iter()
+                            .zip(&periodogram.v)
+                            .map(|(&u, &v)| {
+                                let (u, v) = (f64::from(u), f64::from(v));
+                                let s = u * cos - v * sin;
+                                let r2 = u * u + v * v;
+                                let scene = (0.5 * (u * u - v * v) / r2).exp() / r2;
+                                (scene * (sinc(length * s).powi(2) + 1e-2) * random.exponential()) as f32
+                            })
+                            .collect();
+                        let logs: Vec<f32> = powers.iter().map(|&power| power.ln()).collect();
+                        band.search(&powers, &logs, 1e-4);
+                        let found = band.found[0];
+                        let turn = (found.angle.to_degrees() - deg + 90.0).rem_euclid(180.0) - 90.0;
+                        let miss = format!("{rows}x{columns} {most_frequency} {deg} deg {length} px: {found:?}");
+                        // One step of the grid each way.
+                        assert!(turn.abs() <= 180.0 / ANGLES as f64, "{miss}");
+                        assert!((found.length / length).ln().abs() <= LENGTH_STEP.ln(), "{miss}");
+                        assert!(band.covers(length), "{miss}");
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_constant_spectrum_has_no_candidate() {
+        let periodogram = Periodogram::new(64, 64, Window::Hann);
+        let mut band = Band::new(&periodogram, 0.45, LengthRange::new(4.0, 30.0).unwrap()).unwrap();
+        let zeros = vec![0.0; periodogram.len()];
+        band.search(&zeros, &zeros, 1.0);
+        assert!(band.found.is_empty(), "{:?}", band.found);
+    }
+
+    #[test]
+    fn a_band_without_lengths_of_the_range_is_none() {
+        let periodogram = Periodogram::new(64, 64, Window::Hann);
+        // Blurs of 4 to 5 pixels draw less than one line below 0.1 cycles per pixel.
+        assert!(Band::new(&periodogram, 0.1, LengthRange::new(4.0, 5.0).unwrap()).is_none());
+    }
+}

@@ -56,3 +56,96 @@ pub(super) fn status(outcome: &Outcome, range: LengthRange) -> Status {
         crate::estimate::length::status_in(range, outcome.length, Status::Ok)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// An outcome that nothing speaks against.
+    fn perfect() -> Outcome {
+        let mut covariance = [[0.0; 3]; 3];
+        (covariance[0][0], covariance[1][1]) = (1e-4, 1e-5);
+        Outcome {
+            length: 20.0,
+            angle: 0.3,
+            covariance,
+            band: 0.5,
+            gain: 900.0,
+            density: 0.2,
+            rival: 0.0,
+            over_disk: 400.0,
+            log_share: -7.0,
+            peaks: 1.0,
+            misfit: 1.0,
+        }
+    }
+
+    fn judged(change: impl FnOnce(&mut Outcome)) -> Status {
+        let mut outcome = perfect();
+        change(&mut outcome);
+        status(&outcome, LengthRange::new(4.0, 100.0).unwrap())
+    }
+
+    #[test]
+    fn a_perfect_outcome_is_ok() {
+        assert_eq!(judged(|_| {}), Status::Ok);
+    }
+
+    #[test]
+    fn every_rule_raises_its_own_doubt() {
+        type Case = (fn(&mut Outcome), fn(Status) -> bool);
+        let cases: [Case; 10] = [
+            (|o| o.over_disk = 4.9, |s| matches!(s, Status::NoMotionBlur(Doubt::Defocus { gain: 4.9, .. }))),
+            (|o| o.density = 0.0049, |s| matches!(s, Status::NoMotionBlur(Doubt::WeakEvidence { .. }))),
+            // A coherent blur needs the least gain, half a percent incoherent light or less.
+            (
+                |o| o.density = 0.0055,
+                |s| matches!(s, Status::LowConfidence(Doubt::WeakEvidence { needed: LEAST_DENSITY, .. })),
+            ),
+            // With a share of 5 % the most is needed.
+            (
+                |o| (o.density, o.log_share) = (0.019, 0.05_f64.ln()),
+                |s| matches!(s, Status::LowConfidence(Doubt::WeakEvidence { needed: MOST_DENSITY, .. })),
+            ),
+            (|o| o.gain = 17.0, |s| matches!(s, Status::LowConfidence(Doubt::WeakEvidence { .. }))),
+            (|o| o.log_share = 0.09_f64.ln(), |s| matches!(s, Status::LowConfidence(Doubt::Incoherent { .. }))),
+            (
+                |o| (o.peaks, o.density) = (1.1, 0.05),
+                |s| matches!(s, Status::LowConfidence(Doubt::PeriodicTexture { .. })),
+            ),
+            (|o| o.rival = 0.6, |s| matches!(s, Status::LowConfidence(Doubt::RivalBlur { .. }))),
+            (
+                |o| o.covariance[0][0] = 0.081 * 0.081,
+                |s| matches!(s, Status::LowConfidence(Doubt::Uncertain { unit: "%", .. })),
+            ),
+            (
+                |o| o.covariance[1][1] = 3.1_f64.to_radians().powi(2),
+                |s| matches!(s, Status::LowConfidence(Doubt::Uncertain { unit: "deg", .. })),
+            ),
+        ];
+        for (i, (change, is_expected)) in cases.into_iter().enumerate() {
+            let status = judged(change);
+            assert!(is_expected(status), "rule {i}: {status:?}");
+        }
+        for length in [4.01, 99.9] {
+            let status = judged(|o| o.length = length);
+            assert!(matches!(status, Status::LowConfidence(Doubt::LengthAtRangeEnd { .. })), "{length}: {status:?}");
+        }
+    }
+
+    #[test]
+    fn limits_that_are_kept_raise_no_doubt() {
+        let cases: [fn(&mut Outcome); 6] = [
+            |o| o.over_disk = 5.1,
+            |o| o.density = 0.0061,
+            |o| o.log_share = 0.079_f64.ln(),
+            // A texture is forgiven when the evidence is strong.
+            |o| o.peaks = 1.5,
+            |o| o.rival = 0.49,
+            |o| o.covariance[0][0] = 0.079 * 0.079,
+        ];
+        for (i, change) in cases.into_iter().enumerate() {
+            assert_eq!(judged(change), Status::Ok, "limit {i}");
+        }
+    }
+}
