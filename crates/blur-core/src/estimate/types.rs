@@ -362,18 +362,18 @@ mod tests {
     }
     #[test]
     fn an_acceleration_is_the_root_of_its_square() {
-        // At 0 the square's uncertainty bounds the ratio from above: sqrt(1.645 std).
-        let none = Acceleration::from_square(0.0, 0.01);
+        // At 0 the square's uncertainty bounds the ratio from above: sqrt(3 std).
+        let none = Acceleration::from_square(0.0, 0.01, 0.01);
         assert_eq!(none.ratio, 0.0);
-        assert!((none.detection_limit - 0.01645_f64.sqrt()).abs() < 1e-12);
+        assert!((none.detection_limit - 0.03_f64.sqrt()).abs() < 1e-12);
         assert_eq!(none.ratio_std, none.detection_limit);
         assert!(!none.is_detected());
         // Of a small one the first order, std / (2 r) = 0.5, says more than there is to know.
-        let small = Acceleration::from_square(1e-4, 0.01);
+        let small = Acceleration::from_square(1e-4, 0.01, 0.01);
         assert!((small.ratio - 0.01).abs() < 1e-12);
         assert_eq!(small.ratio_std, small.detection_limit);
         assert!(!small.is_detected());
-        let full = Acceleration::from_square(1.0, 0.01);
+        let full = Acceleration::from_square(1.0, 0.01, 0.01);
         assert_eq!(full.ratio, 1.0);
         assert!((full.ratio_std - 0.005).abs() < 1e-12);
         assert!(full.is_detected());
@@ -381,7 +381,7 @@ mod tests {
 
     #[test]
     fn a_square_out_of_range_is_cut() {
-        assert_eq!(Acceleration::from_square(-0.1, 0.01).ratio, 0.0);
-        assert_eq!(Acceleration::from_square(1.1, 0.01).ratio, 1.0);
+        assert_eq!(Acceleration::from_square(-0.1, 0.01, 0.01).ratio, 0.0);
+        assert_eq!(Acceleration::from_square(1.1, 0.01, 0.01).ratio, 1.0);
     }
 }

@@ -6,7 +6,6 @@ mod whittle;
 
 pub use phase_autocorrelation::PhaseAutocorrelation;
 pub use whittle::{Stage, Whittle};
-pub use whittle::Whittle;
 
 /// Terms of the mean log power spectrum of sharp pictures, as [`Whittle`] expands it.
 pub const SCENE_TERMS: usize = whittle::TERMS;

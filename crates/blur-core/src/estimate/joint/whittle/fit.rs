@@ -46,7 +46,7 @@ const PATCHES: usize = 2 * OCTAVES * PATCHES_PER_RING;
 const ROUGHNESS: f64 = 0.3;
 const ROUGHNESS_COUNTS: f64 = 2.0;
 const LEAST_ROUGHNESS: f64 = 0.02;
-/// A patch is told of by the picture when that weighs this much against the prior.
+/// A patch is told of by the picture when that weighs this much against the first guess.
 const LEAST_TOLD: f64 = 0.05;
 
 /// Which kernel the spectrum is explained with.
@@ -521,23 +521,21 @@ impl Fit {
     }
 
     /// Estimates the scatter of the patches of each octave at the last maximum, by the moments of what the picture alone
-    /// says of them: mean of `deviation^2 - variance`, weighted by the inverse square of `variance + scatter^2`.
+    /// says of them: mean of `deviation^2 - variance`, weighted by the inverse square of the variance plus the first guess
+    /// of `scatter^2`.
     ///
     /// *Reference*: R. `DerSimonian` and N. Laird, *Meta-analysis in clinical trials*, Controlled Clinical Trials 7 (1986) 177.
     pub(super) fn learn_roughness(&self, point: &mut Point) {
-        let mut sums = [(0.0, 0.0); OCTAVES];
-        for (before, (sum, weight)) in point.roughness.iter().zip(&mut sums) {
-            *weight = ROUGHNESS_COUNTS / (2.0 * before * before).powi(2);
-            *sum = *weight * ROUGHNESS * ROUGHNESS;
-        }
+        let prior = ROUGHNESS * ROUGHNESS;
+        let weight = ROUGHNESS_COUNTS / (2.0 * prior).powi(2);
+        let mut sums = [(weight * prior, weight); OCTAVES];
         for (patch, (&deviation, &own)) in point.patches.iter().zip(&self.score.patch_information).enumerate() {
             let octave = octave_of(patch);
-            let scatter2 = point.roughness[octave].powi(2);
-            let information = own - 1.0 / scatter2;
+            let information = own - 1.0 / point.roughness[octave].powi(2);
             // A patch that the picture says nothing about says nothing about the scatter.
-            if information * scatter2 > LEAST_TOLD {
+            if information * prior > LEAST_TOLD {
                 let (free, variance) = (deviation * own / information, 1.0 / information);
-                let weight = 1.0 / (variance + scatter2).powi(2);
+                let weight = 1.0 / (variance + prior).powi(2);
                 sums[octave].0 += weight * (free * free - variance);
                 sums[octave].1 += weight;
             }

@@ -307,7 +307,7 @@ mod tests {
         response.set_uniform(length);
         let lags = lags(along(TUKEY, dim, deg), length);
         for k in 1..380 {
-            let s = k as f64 * response.step;
+            let s = f64::from(k) * response.step;
             let expected: f64 =
                 lags.iter().map(|(lag, value)| -2.0 * PI * lag * value * (2.0 * PI * s * lag).sin()).sum();
             let found = f64::from(response.at(s as f32, 0.0).per_s);

@@ -107,7 +107,7 @@ mod tests {
                 |o| (o.density, o.log_share) = (0.019, 0.05_f64.ln()),
                 |s| matches!(s, Status::LowConfidence(Doubt::WeakEvidence { needed: MOST_DENSITY, .. })),
             ),
-            (|o| o.gain = 17.0, |s| matches!(s, Status::LowConfidence(Doubt::WeakEvidence { .. }))),
+            (|o| o.gain = 17.0, |s| matches!(s, Status::LowConfidence(Doubt::SmallGain { gain: 17.0, .. }))),
             (|o| o.log_share = 0.09_f64.ln(), |s| matches!(s, Status::LowConfidence(Doubt::Incoherent { .. }))),
             (
                 |o| (o.peaks, o.density) = (1.1, 0.05),
