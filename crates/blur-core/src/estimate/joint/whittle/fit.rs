@@ -526,6 +526,7 @@ impl Fit {
     ///
     /// *Reference*: R. `DerSimonian` and N. Laird, *Meta-analysis in clinical trials*, Controlled Clinical Trials 7 (1986) 177.
     pub(super) fn learn_roughness(&self, point: &mut Point) {
+        let misfit = self.maximum().misfit.min(1.0);
         let prior = ROUGHNESS * ROUGHNESS;
         let weight = ROUGHNESS_COUNTS / (2.0 * prior).powi(2);
         let mut sums = [(weight * prior, weight); OCTAVES];
@@ -534,7 +535,8 @@ impl Fit {
             let information = own - 1.0 / point.roughness[octave].powi(2);
             // A patch that the picture says nothing about says nothing about the scatter.
             if information * prior > LEAST_TOLD {
-                let (free, variance) = (deviation * own / information, 1.0 / information);
+                // The shape of the cells makes the information too small by the misfit.
+                let (free, variance) = (deviation * own / information, misfit / information);
                 let weight = 1.0 / (variance + prior).powi(2);
                 sums[octave].0 += weight * (free * free - variance);
                 sums[octave].1 += weight;
@@ -985,7 +987,8 @@ mod tests {
 
     #[test]
     fn the_scatter_of_the_patches_is_learnt() {
-        for planted in [0.1, 0.5] {
+        // A small scatter drowns in that of the powers: it is known to be small, not how small.
+        for (planted, most, least) in [(0.1, 0.16, 0.03), (0.5, 0.8, 0.31)] {
             let mut random = Random::new(7);
             let mut bench = Bench::new(256, 256);
             let mut truth = truth(12.0, 33.0);
@@ -1000,9 +1003,9 @@ mod tests {
                 bench.fit.maximise(&bench.cells, Kernel::Line, &mut point, EFFORT);
                 bench.fit.learn_roughness(&mut point);
             }
-            // Roughly: the upper octaves have patches of many bins, the others cling to the first guess.
+            // The upper octaves have patches of many bins, the others cling to the first guess.
             for &learnt in &point.roughness[..2] {
-                assert!((learnt / planted).ln().abs() < 1.6_f64.ln(), "{planted}: {:?}", point.roughness);
+                assert!((least..most).contains(&learnt), "{planted}: {:?}", point.roughness);
             }
         }
     }

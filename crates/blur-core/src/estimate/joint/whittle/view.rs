@@ -50,7 +50,7 @@ const SHARE_GROWTH: f64 = 0.7;
 const COHERENT: f64 = -4.0;
 /// How much the scatter of the scene's spectrum over patches widens the uncertainty: what is seen between patches is
 /// there within them too. Learnt on design pictures; the coverage is tested on others.
-const ROUGHNESS_WEIGHT: f64 = 1.9;
+const ROUGHNESS_WEIGHT: f64 = 1.3;
 
 /// What the likelihood says of a part of a picture.
 #[derive(Debug, Clone, Copy)]
