@@ -33,12 +33,13 @@ const SAME_LOG_LENGTH: f64 = 0.13;
 const CELLS_PER_LINE: f64 = 14.0;
 /// Dark lines that a first fit sees.
 const FIRST_LINES: f64 = 5.0;
-/// A first fit, the fits without blur and with a disk that it is held against, and the fit that is reported.
+/// A first fit, the fit without blur and those with a disk that it is held against, and the fit that is reported.
 const FIRST: Effort = Effort { steps: 8, least_gain: 0.5 };
 const ALTERNATIVE: Effort = Effort { steps: 4, least_gain: 0.5 };
+const DISK: Effort = Effort { steps: 10, least_gain: 0.5 };
 const FINAL: Effort = Effort { steps: 8, least_gain: 0.02 };
 /// Diameters of a disk to start from, relative to the line's length.
-const DISKS: [f64; 2] = [0.87, 1.1];
+const DISKS: [f64; 3] = [0.6, 0.87, 1.08];
 /// Evidence is a gain per bin of signal; this many more count, so that few bins do not decide by chance.
 const SPARE_BINS: f64 = 200.0;
 /// A wider band agrees when it moves the result by less than this many standard deviations ...
@@ -285,7 +286,7 @@ impl View {
             trial.copy(best);
             trial.length *= diameter;
             self.fit.start_scene(&self.cells, Kernel::Disk, trial);
-            let disk = self.fit.maximise(&self.cells, Kernel::Disk, trial, ALTERNATIVE);
+            let disk = self.fit.maximise(&self.cells, Kernel::Disk, trial, DISK);
             outcome.over_disk = outcome.over_disk.min(disk.loss - line);
         }
     }
