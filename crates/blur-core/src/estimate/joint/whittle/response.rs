@@ -145,11 +145,12 @@ impl Response {
     /// Fills the table for a disk of `diameter` pixels; `s` is then the radius.
     pub(super) fn set_disk(&mut self, diameter: f64) {
         self.columns = 2;
-        let power = |q: f64| DiskBlur::new(1.0).map_or(1.0, |disk| disk.transfer(q).powi(2));
         for k in 0..self.used + REACH {
-            let q = k as f64 * self.step * diameter;
-            let slope = q * (power(q + 1e-4) - power((q - 1e-4).abs())) / 2e-4;
-            self.put(k, [power(q) as f32, slope as f32, 0.0]);
+            // 2 J1(x)/x and its derivative -2 J2(x)/x.
+            let x = PI * k as f64 * self.step * diameter;
+            let transfer = DiskBlur::new(diameter).map_or(1.0, |disk| disk.transfer(k as f64 * self.step));
+            let slope = -4.0 * transfer * (transfer - libm::j0(x));
+            self.put(k, [(transfer * transfer) as f32, slope as f32, 0.0]);
         }
         self.smear();
     }

@@ -149,9 +149,10 @@ impl View {
         done(Stage::Search);
         let (mut outcome, start) = self.choose()?;
         done(Stage::Choice);
+        self.settle_at(&mut outcome)?;
         self.compare_disk(&mut outcome);
         done(Stage::Defocus);
-        self.widen(&mut outcome, start)?;
+        self.widen(&mut outcome, start);
         done(Stage::Fit);
         Some(outcome)
     }
@@ -277,10 +278,16 @@ impl View {
         Some((Outcome { rival: rival / outcome.density.max(f64::MIN_POSITIVE), ..outcome }, band))
     }
 
-    /// Holds the line against disks in the band where it was found.
-    fn compare_disk(&mut self, outcome: &mut Outcome) {
+    /// Fits the mode chosen to the end in its own band.
+    fn settle_at(&mut self, outcome: &mut Outcome) -> Option<()> {
         self.gather(outcome.angle, self.width_for(outcome.length), outcome.band);
-        let line = self.settle(0);
+        self.settle(0);
+        self.record(outcome, outcome.band)
+    }
+
+    /// Holds the line against disks in the band where it was settled last.
+    fn compare_disk(&mut self, outcome: &mut Outcome) {
+        let line = self.fit.maximum().loss;
         for diameter in DISKS {
             let [best, trial, _] = &mut self.points;
             trial.copy(best);
@@ -293,12 +300,9 @@ impl View {
 
     /// Takes the whole spectrum in if it agrees with the band where the blur was found; if not, wider and wider bands as
     /// long as they do.
-    fn widen(&mut self, outcome: &mut Outcome, start: usize) -> Option<()> {
-        self.gather(self.points[0].angle, self.width_for(outcome.length), outcome.band);
-        self.settle(0);
-        self.record(outcome, outcome.band)?;
+    fn widen(&mut self, outcome: &mut Outcome, start: usize) {
         if self.widen_to(outcome, MOST_FREQUENCY) {
-            return Some(());
+            return;
         }
         for band in (1..=start).rev() {
             let most_frequency = self.bands[band].most_frequency;
@@ -306,7 +310,6 @@ impl View {
                 break;
             }
         }
-        Some(())
     }
 
     /// Follows `outcome` into the band up to `most_frequency`; `false`, and nothing changed, when that disagrees.
@@ -357,12 +360,12 @@ impl View {
         self.fit.maximise(&self.cells, Kernel::Line, point, FIRST)
     }
 
-    /// Follows a fit up to where the roughness of the scene is learnt; returns the negative log-likelihood.
-    fn settle(&mut self, which: usize) -> f64 {
+    /// Follows a fit up to where the roughness of the scene is learnt.
+    fn settle(&mut self, which: usize) {
         let point = &mut self.points[which];
         self.fit.maximise(&self.cells, Kernel::Line, point, FIRST);
         self.fit.learn_roughness(point);
-        self.fit.maximise(&self.cells, Kernel::Line, point, FINAL).loss
+        self.fit.maximise(&self.cells, Kernel::Line, point, FINAL);
     }
 
     /// Writes the last fit, that of the first point, into `outcome`.
