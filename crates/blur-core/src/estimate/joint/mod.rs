@@ -7,6 +7,22 @@ mod whittle;
 pub use phase_autocorrelation::PhaseAutocorrelation;
 pub use whittle::{Stage, Whittle};
 
+use super::{AxialAngle, Doubt, LengthRange, MotionBlur, Status};
+
+/// What a method answers when it sees no pattern of a blur in `range`.
+fn no_pattern(range: LengthRange) -> MotionBlur {
+    MotionBlur {
+        angle: AxialAngle::from_deg(0.0),
+        angle_std_deg: None,
+        length_px: range.min_px(),
+        length_std_px: None,
+        correlation: None,
+        status: Status::NoMotionBlur(Doubt::NoPattern),
+        evidence: None,
+        acceleration: None,
+    }
+}
+
 /// Terms of the mean log power spectrum of sharp pictures, as [`Whittle`] expands it.
 pub const SCENE_TERMS: usize = whittle::TERMS;
 

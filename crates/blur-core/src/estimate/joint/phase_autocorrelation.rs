@@ -5,6 +5,7 @@ use std::f64::consts::PI;
 use ndarray::ArrayView2;
 
 use super::lag_peak::{LagPeak, LagPeaks};
+use super::no_pattern;
 use crate::estimate::length::status_in;
 use crate::estimate::per_size::PerSize;
 use crate::estimate::{AxialAngle, Doubt, JointEstimator, LengthRange, MotionBlur, Settings, Status};
@@ -85,24 +86,10 @@ impl JointEstimator for PhaseAutocorrelation {
         let window = self.settings.window.unwrap_or(DEFAULT_WINDOW);
         let half = ((side - 1) / 2) as f64;
         let Ok(range) = LengthRange::new(wanted.min_px(), wanted.max_px().min(half)) else {
-            return Ok(no_peak(wanted));
+            return Ok(no_pattern(wanted));
         };
         let plan = self.plan.get(image.dim(), |dim| Plan::new(window, dim));
-        Ok(plan.peak(image, range).map_or_else(|| no_peak(range), |peak| from_peak(peak, range)))
-    }
-}
-
-/// What the method answers when no lag in the range is a peak.
-fn no_peak(range: LengthRange) -> MotionBlur {
-    MotionBlur {
-        angle: AxialAngle::from_deg(0.0),
-        angle_std_deg: None,
-        length_px: range.min_px(),
-        length_std_px: None,
-        correlation: None,
-        status: Status::NoMotionBlur(Doubt::NoPattern),
-        evidence: None,
-        acceleration: None,
+        Ok(plan.peak(image, range).map_or_else(|| no_pattern(range), |peak| from_peak(peak, range)))
     }
 }
 

@@ -15,10 +15,9 @@ use ndarray::ArrayView2;
 pub(super) use self::scene::{MEAN, STD, TERMS, terms};
 
 use self::view::{Outcome, View};
+use super::no_pattern;
 use crate::estimate::per_size::PerSize;
-use crate::estimate::{
-    Acceleration, AxialAngle, Doubt, Evidence, JointEstimator, LengthRange, MotionBlur, Settings, Status,
-};
+use crate::estimate::{Acceleration, AxialAngle, Evidence, JointEstimator, LengthRange, MotionBlur, Settings, Status};
 use crate::image::{Window, centre_square};
 use crate::{Result, image};
 
@@ -229,18 +228,5 @@ fn result(
             columns,
         }),
         acceleration: ratio2.map(|(ratio2, std, uniform)| Acceleration::from_square(ratio2, std, uniform)),
-    }
-}
-
-fn no_pattern(range: LengthRange) -> MotionBlur {
-    MotionBlur {
-        angle: AxialAngle::from_deg(0.0),
-        angle_std_deg: None,
-        length_px: range.min_px(),
-        length_std_px: None,
-        correlation: None,
-        status: Status::NoMotionBlur(Doubt::NoPattern),
-        evidence: None,
-        acceleration: None,
     }
 }
