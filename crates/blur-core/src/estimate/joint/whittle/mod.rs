@@ -29,8 +29,6 @@ const MIDDLE_PX: usize = 1024;
 const LARGEST_PX: usize = 2048;
 /// Most light outside the kernel, as a logarithm, for one blur to be expected all over the picture.
 const UNIFORM: f64 = -5.0;
-/// The whole may differ from its middle by this many standard deviations.
-const AGREEMENT: f64 = 5.0;
 /// The least flat of the common windows: little variance lost, leakage low enough for clean 8-bit pictures.
 const WHOLE_WINDOW: Window = Window::Tukey { taper: 0.25 };
 
@@ -191,13 +189,7 @@ fn is_uniform(outcome: &Outcome) -> bool {
 }
 
 fn agree(middle: &Outcome, whole: &Outcome) -> bool {
-    let within = |shift: f64, i: usize| {
-        shift * shift <= AGREEMENT * AGREEMENT * (middle.covariance[i][i] + whole.covariance[i][i])
-    };
-    within((whole.length / middle.length).ln(), 0)
-        && within(whole.angle - middle.angle, 1)
-        && is_uniform(whole)
-        && whole.covariance[0][0] < middle.covariance[0][0]
+    middle.is_near(whole) && is_uniform(whole) && whole.covariance[0][0] < middle.covariance[0][0]
 }
 
 fn result(

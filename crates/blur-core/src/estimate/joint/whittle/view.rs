@@ -42,7 +42,8 @@ const FINAL: Effort = Effort { steps: 8, least_gain: 0.02 };
 const DISKS: [f64; 3] = [0.6, 0.87, 1.08];
 /// Evidence is a gain per bin of signal; this many more count, so that few bins do not decide by chance.
 const SPARE_BINS: f64 = 200.0;
-/// A wider band agrees when it moves the result by less than this many standard deviations ...
+/// A wider band, or a larger part of the picture, agrees when it moves the result by less than this many standard
+/// deviations; the band besides when it ...
 const AGREEMENT: f64 = 5.0;
 /// ... makes the length at most this much less certain in variance ...
 const MOST_LOSS: f64 = 1.2;
@@ -382,6 +383,14 @@ impl View {
 }
 
 impl Outcome {
+    /// Whether the two differ by no more than [`AGREEMENT`] allows.
+    pub(super) fn is_near(&self, other: &Self) -> bool {
+        let within = |shift: f64, i: usize| {
+            shift * shift <= AGREEMENT * AGREEMENT * (self.covariance[i][i] + other.covariance[i][i])
+        };
+        within((other.length / self.length).ln(), 0) && within(other.angle - self.angle, 1)
+    }
+
     fn is_coherent(&self) -> bool {
         self.log_share < COHERENT && self.density > CLEAR
     }
@@ -398,11 +407,7 @@ fn widening(point: &Point, band: f64) -> f64 {
 
 /// Whether the result of a wider band goes with that of a narrower one.
 fn agrees(narrow: &Outcome, wide: &Outcome) -> bool {
-    let within = |shift: f64, i: usize| {
-        shift * shift <= AGREEMENT * AGREEMENT * (narrow.covariance[i][i] + wide.covariance[i][i])
-    };
-    within((wide.length / narrow.length).ln(), 0)
-        && within(wide.angle - narrow.angle, 1)
+    narrow.is_near(wide)
         && wide.log_share <= (narrow.log_share + SHARE_GROWTH).max(COHERENT)
         && wide.covariance[0][0] <= MOST_LOSS * narrow.covariance[0][0]
 }
