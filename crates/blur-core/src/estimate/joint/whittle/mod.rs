@@ -1,7 +1,10 @@
 //! `whittle`: the likelihood of the whole spectrum.
 
+mod cells;
 mod fit;
+mod likelihood;
 mod periodogram;
+mod point;
 mod response;
 mod scene;
 mod search;

@@ -5,8 +5,10 @@ use std::f64::consts::{FRAC_PI_2, PI};
 use ndarray::ArrayView2;
 
 use super::Stage;
-use super::fit::{Cells, Covariance, Effort, Fit, Kernel, Point};
+use super::cells::Cells;
+use super::fit::{Covariance, Effort, Fit, Maximum};
 use super::periodogram::{CellSums, MOST_FREQUENCY, Periodogram};
+use super::point::{Kernel, Point};
 use super::search::{self, Band, Candidate};
 use crate::estimate::LengthRange;
 use crate::image::Window;
@@ -353,7 +355,7 @@ impl View {
     }
 
     /// A first fit of the second point.
-    fn start_fit(&mut self, at: Candidate, most_frequency: f64) -> super::fit::Maximum {
+    fn start_fit(&mut self, at: Candidate, most_frequency: f64) -> Maximum {
         self.gather(at.angle, self.width_for(at.length), most_frequency);
         let point = &mut self.points[1];
         point.start(at.length, at.angle, self.noise);
