@@ -4,9 +4,9 @@ use super::periodogram::{CellSum, CellSums, MOST_FREQUENCY};
 use super::scene::{self, TERMS};
 
 /// Cells that are worked on side by side.
-pub(super) const LANES: usize = 8;
+pub(super) const LANES: usize = 4;
 /// Blocks of lanes whose products are summed at once.
-pub(super) const GROUP: usize = 4;
+pub(super) const GROUP: usize = 8;
 pub(super) const WIDTH: usize = GROUP * LANES;
 /// Patches of the plane of frequencies in which the scene's spectrum may differ from its mean form: this many a half
 /// turn, two an octave.
