@@ -164,7 +164,7 @@ impl View {
     pub(super) fn refine(&mut self, from: &Outcome) -> Option<Outcome> {
         self.start_fit(Candidate { angle: from.angle, length: from.length, gain: 0.0 }, MOST_FREQUENCY);
         self.points.swap(0, 1);
-        self.settle(0);
+        self.settle();
         let mut outcome = *from;
         self.record(&mut outcome, MOST_FREQUENCY)?;
         Some(outcome)
@@ -284,7 +284,7 @@ impl View {
     /// Fits the mode chosen to the end in its own band.
     fn settle_at(&mut self, outcome: &mut Outcome) -> Option<()> {
         self.gather(outcome.angle, self.width_for(outcome.length), outcome.band);
-        self.settle(0);
+        self.settle();
         self.record(outcome, outcome.band)
     }
 
@@ -322,10 +322,11 @@ impl View {
         let [best, trial, _] = &mut self.points;
         trial.copy(best);
         self.fit.maximise(&self.cells, Kernel::Line, trial, FIRST);
+        self.fit.learn_roughness(trial);
         // Cells are as wide as they are only along the motion: once more along the better direction.
-        let angle = self.points[1].angle;
+        let angle = trial.angle;
         self.gather(angle, width, most_frequency);
-        self.settle(1);
+        self.fit.maximise(&self.cells, Kernel::Line, &mut self.points[1], FINAL);
         let mut wide = *outcome;
         self.points.swap(0, 1);
         if self.record(&mut wide, most_frequency).is_some() && agrees(outcome, &wide) {
@@ -363,9 +364,9 @@ impl View {
         self.fit.maximise(&self.cells, Kernel::Line, point, FIRST)
     }
 
-    /// Follows a fit up to where the roughness of the scene is learnt.
-    fn settle(&mut self, which: usize) {
-        let point = &mut self.points[which];
+    /// Follows the best point up to where the roughness of the scene is learnt.
+    fn settle(&mut self) {
+        let point = &mut self.points[0];
         self.fit.maximise(&self.cells, Kernel::Line, point, FIRST);
         self.fit.learn_roughness(point);
         self.fit.maximise(&self.cells, Kernel::Line, point, FINAL);
