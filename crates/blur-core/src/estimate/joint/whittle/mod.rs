@@ -32,7 +32,7 @@ const MIDDLE_PX: usize = 1024;
 const LARGEST_PX: usize = 2048;
 /// Most light outside the kernel, as a logarithm, for one blur to be expected all over the picture.
 const UNIFORM: f64 = -5.0;
-/// The least flat of the common windows: little variance lost, leakage low enough for clean 8-bit pictures.
+/// Little variance lost, leakage low enough for clean 8-bit pictures.
 const WHOLE_WINDOW: Window = Window::Tukey { taper: 0.25 };
 
 /// `whittle`: maximum likelihood of direction, length and scene, from all powers of the spectrum at once.
@@ -71,8 +71,8 @@ const WHOLE_WINDOW: Window = Window::Tukey { taper: 0.25 };
 /// # Uncertainty
 ///
 /// The inverse of the expected information with everything else profiled out, widened by the roughness of the scene's
-/// spectrum: deviations seen from patch to patch are there within patches too. The one constant of this was chosen on
-/// design pictures; the attained coverage on others is tested (`reproduce coverage`).
+/// spectrum: deviations seen from patch to patch are there within patches too. The attained coverage is tested
+/// (`reproduce coverage`).
 ///
 /// # When it fails
 ///

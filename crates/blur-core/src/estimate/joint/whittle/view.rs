@@ -52,9 +52,6 @@ const MOST_LOSS: f64 = 1.2;
 /// ... and lets the logarithm of the incoherent share grow by at most this, or to no more than the second.
 const SHARE_GROWTH: f64 = 0.7;
 const COHERENT: f64 = -4.0;
-/// How much the scatter of the scene's spectrum over patches widens the uncertainty: what is seen between patches is
-/// there within them too. Learnt on design pictures; the coverage is tested on others.
-const ROUGHNESS_WEIGHT: f64 = 1.3;
 
 /// What the likelihood says of a part of a picture.
 #[derive(Debug, Clone, Copy)]
@@ -403,9 +400,10 @@ impl Outcome {
     }
 }
 
-/// Factor on standard deviations for the roughness of the scene.
+/// Factor on standard deviations, 1 plus the roughness of the scene in log power: what is seen from patch to patch is there
+/// within the patches too. That this is enough the attained coverage shows.
 fn widening(point: &Point, band: f64) -> f64 {
-    1.0 + ROUGHNESS_WEIGHT * point.roughness_within(band)
+    1.0 + point.roughness_within(band)
 }
 
 /// Whether the result of a wider band goes with that of a narrower one.
