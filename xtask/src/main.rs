@@ -1,7 +1,10 @@
 //! `cargo xtask`: the chores of this workspace.
 
+mod avr;
+mod firmware;
 mod goldens;
 mod run;
+mod stack;
 mod tables;
 mod test;
 
@@ -14,6 +17,8 @@ Usage: cargo xtask COMMAND
 
 Commands:
   test               run every test and check that the fixtures can be remade
+  firmware           build both programs of the slider's boards and check
+                     their budget of flash and memory
   goldens            remake the fixtures and the picture of the README
   tables [ARGS]...   measure the accuracy of the methods (release build);
                      ARGS go to the program protocol-p, see 'tables --help'
@@ -21,7 +26,9 @@ Commands:
 
 Environment:
   BLUR_DATA          folder of real photographs [default: ../shared/data]
-  BLUR_REQUIRE_DATA  if set, that folder must be there: no test may skip";
+  BLUR_REQUIRE_DATA  if set, that folder must be there: no test may skip
+  FIRMWARE_RUSTC     compiler of the firmware, with its sources beside it
+                     [default: Debian's rustc-web, else rustup's nightly]";
 
 fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
@@ -34,8 +41,11 @@ fn main() -> ExitCode {
             println!("{USAGE}");
             Ok(())
         }
-        ("test" | "goldens", [unexpected, ..]) => return usage_error(&format!("'{unexpected}' is not expected here")),
+        ("test" | "firmware" | "goldens", [unexpected, ..]) => {
+            return usage_error(&format!("'{unexpected}' is not expected here"));
+        }
         ("test", []) => test::all(),
+        ("firmware", []) => avr::provide(false).and_then(|compiler| firmware::build(&compiler)),
         ("goldens", []) => goldens::make(),
         (unknown, _) => return usage_error(&format!("'{unknown}' is not a command")),
     };

@@ -7,6 +7,8 @@ use std::path::PathBuf;
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
+use crate::avr;
+use crate::firmware;
 use crate::goldens;
 use crate::run::{self, Result};
 
@@ -29,9 +31,14 @@ pub(crate) fn all() -> Result<()> {
             command.env(DATA, folder);
         }
     }
+    let firmware = avr::provide(true);
     let steps = [
         Step::run("tests and examples in the documentation", || count(&mut workspace)),
         Step::run("protocol tests, which a plain 'cargo test' leaves out", || count(&mut protocol)),
+        Step::run("firmware builds and keeps its budget", || {
+            firmware::build(firmware.as_ref().map_err(Clone::clone)?).map(|()| Counts::default())
+        }),
+        Step::run("firmware in the simulator", simulate),
         Step::run("the sample can be remade byte by byte", || goldens::check_sample().map(|()| Counts::default())),
     ];
     println!("\nSummary");
@@ -45,6 +52,13 @@ pub(crate) fn all() -> Result<()> {
         0 => Ok(()),
         failed => Err(format!("{failed} of {} steps failed", steps.len())),
     }
+}
+
+/// Runs the firmware and the simulator's own tests. That no test was run is an error.
+fn simulate() -> Result<Counts> {
+    let mut simulator = run::cargo(["test", "--release", "--locked", "--no-fail-fast"]);
+    let counts = count(simulator.current_dir(firmware::folder().join("sim")))?;
+    if counts.passed == 0 { Err("no test of the firmware was run".to_owned()) } else { Ok(counts) }
 }
 
 fn without_data() -> String {
