@@ -11,9 +11,11 @@ const SAMPLE: &str = "fixtures/sample.png";
 const README_PICTURE: &str = "docs/sample.png";
 
 /// Goldens computed by an independent program: the script that prints each, and the file.
-const BY_MPMATH: [(&str, &str); 2] = [
+const BY_MPMATH: [(&str, &str); 4] = [
     ("fixtures/psf/make_figures.py", "fixtures/psf/figures.csv"),
     ("fixtures/psf/make_special.py", "fixtures/psf/special.csv"),
+    ("fixtures/metrology/make_quantiles.py", "fixtures/metrology/quantiles.csv"),
+    ("fixtures/least_squares/make_generalised.py", "fixtures/least_squares/generalised.csv"),
 ];
 const MPMATH: &str = "mpmath==1.3.0";
 

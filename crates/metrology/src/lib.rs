@@ -1,99 +1,78 @@
-//! Measured values with their standard uncertainties.
+//! Measured values and their uncertainties after the *Guide to the expression of uncertainty in measurement*.
 //!
-//! The vocabulary is that of the *Guide to the expression of uncertainty in measurement* (JCGM 100:2008, "GUM"):
-//! a [`Measurement`] is an estimate and its standard uncertainty `u` (one standard deviation), in one SI unit that the
-//! name of the variable or field states. Propagation here is first order and for independent inputs (GUM 5.1.2).
+//! # From readings to a result
+//!
+//! ```text
+//! TypeA, type_b -> Input (+ Correlation) -> propagate -> Combined -> Coverage -> Budget -> text, Markdown, JSON
+//!                                       \-> monte_carlo -> Sample -> validate
+//! ```
+//!
+//! ```
+//! use metrology::{Budget, Correlation, Coverage, Input, propagate};
+//!
+//! // v = L s / T: a blur of L pixels, s metres per pixel, exposed for T seconds.
+//! let inputs = [
+//!     Input::new("L", 23.40, 0.20)?.with_unit("px").with_dof(9.0)?,
+//!     Input::new("s", 0.4120e-3, 0.0015e-3)?.with_unit("m/px"),
+//!     Input::new("T", 1.0 / 60.0, 2e-5)?.with_unit("s"),
+//! ];
+//! let v = propagate(&inputs, &Correlation::independent(3), |q| q[0] * q[1] / q[2])?;
+//! let budget = Budget::new("v", "m/s", &inputs, &v, Coverage::Probability(0.95))?;
+//! assert_eq!(v.measurement()?.to_string(), "0.5784(54)");
+//! assert!((v.dof() - 13.0).abs() < 0.05);
+//! println!("{}", budget.to_text());
+//! # Ok::<(), metrology::Error>(())
+//! ```
+//!
+//! # Conventions
+//!
+//! - `std` is a standard uncertainty `u`, one standard deviation, in the unit of its value. An expanded uncertainty `U`
+//!   is always called so and comes with its coverage factor `k`.
+//! - Units are text for the reader of a budget. Nothing converts them: a model gets the numbers as they were given.
+//! - Degrees of freedom are real numbers greater than 0; `f64::INFINITY` means that the standard uncertainty is known
+//!   exactly. JSON has no infinity: there it is `null`.
+//! - Probabilities, shares and correlation coefficients are fractions of 1. Only what is called `percent` is per cent.
+//! - [`propagate`] is first order. Where a model is not nearly linear within the uncertainties,
+//!   [`monte_carlo`](monte_carlo::monte_carlo) is the answer, and [`validate`](monte_carlo::validate) or [`second_order_std`] tells.
+//!
+//! # References
+//!
+//! - "GUM": JCGM 100:2008, *Guide to the expression of uncertainty in measurement*.
+//! - JCGM 101:2008, *Supplement 1: Propagation of distributions using a Monte Carlo method*.
+//! - JCGM 102:2011, *Supplement 2: Extension to any number of output quantities*.
+//! - "Thesis": chapter 8, equations 8.2 to 8.14, the calibration of the slider.
 
-use thiserror::Error;
+pub mod budget;
+mod concise;
+mod correlation;
+pub mod coverage;
+mod distribution;
+mod dof;
+mod dual;
+mod error;
+mod input;
+pub mod joint;
+pub mod least_squares;
+mod measurement;
+pub mod monte_carlo;
+mod propagate;
+mod quantile;
+mod second_order;
+mod type_a;
+pub mod type_b;
 
-/// What cannot be a measurement.
-#[derive(Debug, Clone, Copy, PartialEq, Error)]
-#[non_exhaustive]
-pub enum Error {
-    /// The value is NaN or infinite.
-    #[error("the value {value} is not a finite number")]
-    ValueNotFinite {
-        /// The offending value.
-        value: f64,
-    },
-    /// The standard uncertainty is negative, NaN or infinite.
-    #[error("the standard uncertainty {std} must be a finite number >= 0")]
-    InvalidUncertainty {
-        /// The offending standard uncertainty.
-        std: f64,
-    },
-}
-
-/// An estimate and its standard uncertainty, both in the same unit.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Measurement {
-    value: f64,
-    std: f64,
-}
-
-impl Measurement {
-    /// A measured `value` with standard uncertainty `std` (k = 1, same unit).
-    pub fn new(value: f64, std: f64) -> Result<Self, Error> {
-        if !value.is_finite() {
-            return Err(Error::ValueNotFinite { value });
-        }
-        if !(std.is_finite() && std >= 0.0) {
-            return Err(Error::InvalidUncertainty { std });
-        }
-        Ok(Self { value, std })
-    }
-
-    /// A value taken as exact: its uncertainty is zero.
-    pub fn exact(value: f64) -> Result<Self, Error> {
-        Self::new(value, 0.0)
-    }
-
-    /// The estimate.
-    pub fn value(self) -> f64 {
-        self.value
-    }
-
-    /// The standard uncertainty (one standard deviation).
-    pub fn std(self) -> f64 {
-        self.std
-    }
-
-    /// The expanded uncertainty `U = k u` for a coverage factor `k` (GUM 6.2.1).
-    pub fn expanded(self, coverage_k: f64) -> f64 {
-        coverage_k * self.std
-    }
-}
-
-/// Combined standard uncertainty of a function of independent inputs, first order: the root sum of squares of
-/// `sensitivity * std` (GUM eq. 10 and 11a).
-///
-/// Each pair is a sensitivity coefficient (partial derivative) and the standard uncertainty of its input.
-///
-/// ```
-/// // v = x / t with x = 0.1(0.001) m and t = 0.5(0.002) s
-/// let (x, ux, t, ut) = (0.1_f64, 0.001, 0.5, 0.002);
-/// let u = metrology::combined_std([(1.0 / t, ux), (-x / (t * t), ut)]);
-/// assert!((u - 0.002_154_065_9).abs() < 1e-9);
-/// ```
-pub fn combined_std(contributions: impl IntoIterator<Item = (f64, f64)>) -> f64 {
-    contributions.into_iter().map(|(sensitivity, std)| (sensitivity * std).powi(2)).sum::<f64>().sqrt()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn an_uncertainty_is_finite_and_not_negative() {
-        assert_eq!(Measurement::new(1.0, -0.1), Err(Error::InvalidUncertainty { std: -0.1 }));
-        assert!(Measurement::new(1.0, f64::NAN).is_err());
-        assert!(Measurement::new(f64::INFINITY, 0.0).is_err());
-    }
-
-    #[test]
-    fn combined_uncertainty_of_the_gum_end_gauge_terms() {
-        // GUM H.1, table H.1: standard uncertainties of the components (nm) combine to 32 nm.
-        let u = combined_std([(1.0, 25.0), (1.0, 9.7), (0.0, 0.0), (0.0, 0.0), (1.0, 2.9), (1.0, 16.6)]);
-        assert!((u - 31.7).abs() < 0.1, "{u}");
-    }
-}
+pub use budget::{Budget, Row};
+pub use concise::{concise, rounded};
+pub use correlation::Correlation;
+pub use coverage::{Coverage, coverage_factor};
+pub use distribution::Distribution;
+pub use dof::welch_satterthwaite;
+pub use dual::Dual;
+pub use error::Error;
+pub use input::Input;
+pub use joint::{Joint, propagate_joint};
+pub use measurement::{Measurement, combined_std};
+pub use propagate::{Combined, propagate, propagate_numeric, sensitivities, sensitivities_numeric, values_of};
+pub use quantile::{chi_squared_quantile, normal_quantile, student_t_quantile};
+pub use second_order::second_order_std;
+pub use type_a::{TypeA, correlation_of_means};
