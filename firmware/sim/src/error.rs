@@ -22,6 +22,16 @@ pub enum SimError {
         /// What is wrong with it.
         reason: String,
     },
+    /// A line of a waveform's file cannot be used.
+    #[error("{}:{line}: {reason}", path.display())]
+    Wave {
+        /// The file.
+        path: PathBuf,
+        /// Number of the line, from 1; 0 in an empty file.
+        line: usize,
+        /// What is wrong with it.
+        reason: String,
+    },
     /// The simulator does not know the ATmega328P, or had no memory for it.
     #[error("the simulator has no atmega328p")]
     Core,

@@ -75,6 +75,7 @@ pub mod interrupts;
 pub mod lcd;
 pub mod pty;
 pub mod remote;
+pub mod wave;
 
 mod avr;
 mod board;

@@ -3,6 +3,7 @@
 use crate::SimError;
 use rustix::{
     fs::{OFlags, fcntl_getfl, fcntl_setfl},
+    io::ioctl_fionread,
     pty::{OpenptFlags, grantpt, openpt, ptsname, unlockpt},
     termios::{OptionalActions, ioctl_tiocnxcl, tcgetattr, tcsetattr},
 };
@@ -75,6 +76,11 @@ impl Pty {
         }
         Ok(rest.len())
     }
+
+    /// Bytes that the host has not read yet; they are lost when this is dropped.
+    pub fn unread(&self) -> Result<u64, SimError> {
+        Ok(ioctl_fionread(&self.terminal).map_err(std::io::Error::from)?)
+    }
 }
 
 #[cfg(test)]
@@ -93,9 +99,11 @@ mod tests {
         }
         assert_eq!(read, all);
         assert_eq!(pty.write(&all).unwrap(), 0);
+        while pty.unread().unwrap() < 256 {}
         let mut back = [0; 256];
         host.read_exact(&mut back).unwrap();
         assert_eq!(back.as_slice(), all);
+        assert_eq!(pty.unread().unwrap(), 0);
     }
 
     #[test]
