@@ -14,6 +14,8 @@ use crate::run::{self, Result};
 
 const DATA: &str = "BLUR_DATA";
 const REQUIRE_DATA: &str = "BLUR_REQUIRE_DATA";
+/// Tells the tests that the firmware has been built, so none of them may skip for want of it.
+const REQUIRE_FIRMWARE: &str = "BLUR_REQUIRE_FIRMWARE";
 /// Where the data are when nobody says where, from the root of the workspace.
 const USUAL_DATA: &str = "../shared/data";
 
@@ -25,20 +27,22 @@ pub(crate) fn all() -> Result<()> {
         None => println!("data: {}", without_data()),
     }
     let mut workspace = run::cargo(["test", "--workspace", "--no-fail-fast"]);
-    let mut protocol = run::cargo(["test", "-p", "e2e-tests", "--tests", "--no-fail-fast", "--", "--ignored"]);
-    for command in [&mut workspace, &mut protocol] {
+    let mut long = run::cargo(["test", "-p", "e2e-tests", "--tests", "--no-fail-fast", "--", "--ignored"]);
+    for command in [&mut workspace, &mut long] {
+        command.env(REQUIRE_FIRMWARE, "1");
         if let Some(folder) = &data {
             command.env(DATA, folder);
         }
     }
     let firmware = avr::provide(true);
+    // The firmware first: a test of the workspace runs it.
     let steps = [
-        Step::run("tests and examples in the documentation", || count(&mut workspace)),
-        Step::run("protocol tests, which a plain 'cargo test' leaves out", || count(&mut protocol)),
         Step::run("firmware builds and keeps its budget", || {
             firmware::build(firmware.as_ref().map_err(Clone::clone)?).map(|()| Counts::default())
         }),
         Step::run("firmware in the simulator", simulate),
+        Step::run("tests and examples in the documentation", || count(&mut workspace)),
+        Step::run("long tests, which a plain 'cargo test' leaves out", || count(&mut long)),
         Step::run("the sample can be remade byte by byte", || goldens::check_sample().map(|()| Counts::default())),
     ];
     println!("\nSummary");
