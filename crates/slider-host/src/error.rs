@@ -19,7 +19,7 @@ pub enum Error {
     /// The description of an encoder sheet cannot be used.
     #[error("sheet: {0}")]
     Sheet(String),
-    /// A line of a run's file is wrong.
+    /// A line of a file of runs or points is wrong.
     #[error("{path}, line {line}: {why}", path = .path.display())]
     Log {
         /// The file.

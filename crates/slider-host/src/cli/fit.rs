@@ -79,7 +79,11 @@ fn fit_runs(file: &Path, evaluation: &Evaluation, output: &Output) -> Result<Vec
 fn fit_points(path: &Path, evaluation: &Evaluation, output: &Output) -> Result<Vec<Fitted>, Error> {
     let file = |source| Error::File { path: path.to_owned(), source };
     let text = std::fs::read_to_string(path).map_err(file)?;
-    let fitted = evaluation.points(&Points::from_csv(&text)?)?;
+    let points = Points::from_csv(&text).map_err(|error| match error {
+        Error::Points { line, reason } => Error::Log { path: path.to_owned(), line, why: reason },
+        other => other,
+    })?;
+    let fitted = evaluation.points(&points)?;
     output.result(&format!("{}\n{}", path.display(), outcome::text(&fitted)), &outcome::fields(&fitted))?;
     Ok(vec![fitted])
 }
