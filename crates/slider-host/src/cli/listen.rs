@@ -88,7 +88,14 @@ pub(crate) fn run(args: &Args, output: &mut Output) -> Result<bool, Error> {
     let shown = Output { json: false, stop: stop.clone(), view: Some(View::new(shown, asked, &evaluation.sheet)) };
     thread::scope(|scope| {
         // What the view is shown by belongs to the thread: when the listener ends, so do the events.
-        let listener = scope.spawn(move || Listener::new(args, &shown, evaluation).listen());
+        let listener = scope.spawn(move || {
+            let listened = Listener::new(args, &shown, evaluation).listen();
+            if let Err(error) = &listened {
+                // The user looks at the view, and standard error comes after it.
+                shown.tell(&error.to_string());
+            }
+            listened
+        });
         let viewed = live::run(&events, &requests);
         stop.store(true, Ordering::Relaxed);
         let listened = listener.join().unwrap_or(Ok(false));
