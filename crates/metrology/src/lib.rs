@@ -73,6 +73,6 @@ pub use input::Input;
 pub use joint::{Joint, propagate_joint};
 pub use measurement::{Measurement, combined_std};
 pub use propagate::{Combined, propagate, propagate_numeric, sensitivities, sensitivities_numeric, values_of};
-pub use quantile::{chi_squared_quantile, normal_quantile, student_t_quantile};
+pub use quantile::{chi_squared_quantile, f_tail, normal_quantile, student_t_quantile};
 pub use second_order::second_order_std;
 pub use type_a::{TypeA, correlation_of_means};

@@ -1,10 +1,13 @@
-//! Quantiles of the distributions that coverage factors come from.
+//! Quantiles of the distributions that coverage factors come from, and the tail that tests need.
 
+mod beta;
 mod chi_squared;
+mod f;
 mod normal;
 mod student_t;
 
 pub use chi_squared::chi_squared_quantile;
+pub use f::f_tail;
 pub use normal::normal_quantile;
 pub use student_t::student_t_quantile;
 

@@ -22,7 +22,6 @@ mod motion;
 mod outlier;
 mod pool;
 mod system;
-mod tail;
 
 use metrology::least_squares::Fit;
 use metrology::{chi_squared_quantile, coverage_factor, welch_satterthwaite};

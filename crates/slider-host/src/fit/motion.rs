@@ -1,9 +1,8 @@
 //! Whether the motion was uniform, uniformly accelerated, or neither.
 
-use metrology::chi_squared_quantile;
+use metrology::{chi_squared_quantile, f_tail};
 
 use super::system::System;
-use super::tail::f_tail;
 use super::{EdgeShift, PLAUSIBLE};
 use crate::Error;
 use crate::outcome::Kind;

@@ -1,9 +1,10 @@
 //! Points that do not fit the others.
 
+use metrology::f_tail;
+
 use super::EdgeShift;
 use super::motion::free_degree;
 use super::system::System;
-use super::tail::f_tail;
 use crate::Error;
 
 /// At most this share of the points is left out: where more do not fit, it is the model that does not.

@@ -1,4 +1,6 @@
-//! Probabilities of what is at least as extreme: the p-values of tests.
+//! The tail of the F distribution: p-values of tests.
+
+use super::beta::beta_fraction;
 
 /// Probability that F of `numerator` and `denominator` degrees of freedom exceeds `f`; an infinite denominator makes it
 /// that of chi-squared over its degrees of freedom.
@@ -7,7 +9,8 @@
 ///
 /// Abramowitz and Stegun 26.6.2 (F by the incomplete beta function), 26.5.8 (its continued fraction), 26.4.4 and 26.4.5
 /// (chi-squared of whole degrees of freedom).
-pub(super) fn f_tail(f: f64, numerator: usize, denominator: f64) -> f64 {
+#[must_use]
+pub fn f_tail(f: f64, numerator: usize, denominator: f64) -> f64 {
     if f.is_nan() || f <= 0.0 {
         return 1.0;
     }
@@ -32,26 +35,10 @@ fn chi_squared_tail(x: f64, dof: usize) -> f64 {
     tail.min(1.0)
 }
 
-/// The regularised incomplete beta function where its fraction converges quickly, by Lentz's method.
+/// The regularised incomplete beta function where its fraction converges quickly.
 fn beta(a: f64, b: f64, x: f64) -> f64 {
     let front = a * x.ln() + b * (-x).ln_1p() + libm::lgamma(a + b) - libm::lgamma(a) - libm::lgamma(b);
-    let guard = |v: f64| if v.abs() < 1e-300 { 1e-300 } else { v };
-    let (mut c, mut d) = (1.0, 1.0 / guard(1.0 - (a + b) * x / (a + 1.0)));
-    let mut fraction = d;
-    for m in (1..300).map(f64::from) {
-        let even = m * (b - m) * x / ((a + 2.0 * m - 1.0) * (a + 2.0 * m));
-        d = 1.0 / guard(1.0 + even * d);
-        c = guard(1.0 + even / c);
-        fraction *= c * d;
-        let odd = -(a + m) * (a + b + m) * x / ((a + 2.0 * m) * (a + 2.0 * m + 1.0));
-        d = 1.0 / guard(1.0 + odd * d);
-        c = guard(1.0 + odd / c);
-        fraction *= c * d;
-        if (c * d - 1.0).abs() < 1e-15 {
-            break;
-        }
-    }
-    front.exp() * fraction / a
+    front.exp() * beta_fraction(a, b, x) / a
 }
 
 #[cfg(test)]
@@ -62,10 +49,10 @@ mod tests {
     fn tails_at_the_quantiles_are_their_probabilities() {
         for dof in [1.0, 2.0, 7.0, 23.0] {
             for probability in [0.6, 0.95, 0.9999] {
-                let t = metrology::student_t_quantile(probability, dof).unwrap();
+                let t = crate::student_t_quantile(probability, dof).unwrap();
                 let tail = f_tail(t * t, 1, dof);
                 assert!((tail - 2.0 * (1.0 - probability)).abs() < 1e-10, "t, {dof} {probability}: {tail}");
-                let chi2 = metrology::chi_squared_quantile(probability, dof).unwrap();
+                let chi2 = crate::chi_squared_quantile(probability, dof).unwrap();
                 let tail = f_tail(chi2 / dof, dof as usize, f64::INFINITY);
                 assert!((tail - (1.0 - probability)).abs() < 1e-10, "chi2, {dof} {probability}: {tail}");
             }
