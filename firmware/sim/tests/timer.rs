@@ -10,6 +10,8 @@ use slider_sim::Pin;
 use slider_sim::encoder::{Encoder, Motion, bounce, edges, glitches};
 
 const HZ: f64 = slider_sim::CYCLES_PER_SECOND as f64;
+/// Cycles from one wrap of the 16-bit counter to the next.
+const WRAP: u64 = 65_536 * CYCLES_PER_TICK;
 /// Cycles from the start of `sbi` until its pin moves.
 const SBI: u64 = 2;
 
@@ -37,6 +39,14 @@ fn worst_error(run: &Run, wave: &[(u64, bool)]) -> u64 {
         worst = worst.max((ticks * CYCLES_PER_TICK).abs_diff(cycle - wave[0].0));
     }
     worst
+}
+
+/// Cycle at which the counter was 0, by a first run; it wraps every [`WRAP`] cycles from there.
+fn zero_of_the_counter(timer: &mut Board) -> u64 {
+    timer.arm(0, 1, 3);
+    let start = timer.mcu.cycle() + 1000;
+    let run = timer.pass(&[(start, false), (start + 800, true)]);
+    start - u64::from(run.edges[0].tick) * CYCLES_PER_TICK
 }
 
 #[test]
@@ -75,14 +85,9 @@ fn all_edges_of_thirteen_teeth_are_within_one_tick() {
 /// Each run puts one of its edges at a chosen distance from a wrap of the 16-bit counter.
 #[test]
 fn five_hundred_runs_across_the_wrap_are_right() {
-    const WRAP: u64 = 65_536 * CYCLES_PER_TICK;
     let mut timer = Board::timer();
     timer.run_ms(3);
-    // Where the counter wraps, from a first run.
-    timer.arm(0, 1, 3);
-    let start = timer.mcu.cycle() + 1000;
-    let run = timer.pass(&[(start, false), (start + 800, true)]);
-    let zero = start - u64::from(run.edges[0].tick) * CYCLES_PER_TICK;
+    let zero = zero_of_the_counter(&mut timer);
     let mut worst = 0;
     for n in 0..500u64 {
         timer.arm(n as u16, 1, 3);
@@ -139,13 +144,9 @@ fn the_trigger_is_raised_within_five_microseconds() {
 /// The overflow interrupt is the longest thing that can be in the way.
 #[test]
 fn the_trigger_is_in_time_when_the_counter_wraps() {
-    const WRAP: u64 = 65_536 * CYCLES_PER_TICK;
     let mut timer = Board::timer();
     timer.run_ms(3);
-    timer.arm(0, 1, 2);
-    let start = timer.mcu.cycle() + 1000;
-    let run = timer.pass(&[(start, false), (start + 800, true)]);
-    let zero = start - u64::from(run.edges[0].tick) * CYCLES_PER_TICK;
+    let zero = zero_of_the_counter(&mut timer);
     let mut worst = 0;
     for offset in 0..60 {
         timer.arm(offset, 1, 2);
