@@ -53,6 +53,26 @@ pub enum Error {
         /// Columns of the scene.
         cols: usize,
     },
+    /// The scene is too small for the picture and the way that it moves.
+    #[error("a scene of {cols}x{rows} pixels is too small: the picture and its motion need {need_cols}x{need_rows}")]
+    SceneTooSmall {
+        /// Rows of the scene.
+        rows: usize,
+        /// Columns of the scene.
+        cols: usize,
+        /// Rows that it needs.
+        need_rows: usize,
+        /// Columns that it needs.
+        need_cols: usize,
+    },
+    /// There is no poster of this number.
+    #[error("there is no poster {poster}: they are numbered from 0 to {last}")]
+    NoPoster {
+        /// The number asked for.
+        poster: usize,
+        /// Greatest number there is.
+        last: usize,
+    },
     /// The Fourier transform of this size failed, although its buffers were made for it.
     #[error("the Fourier transform of {cols}x{rows} samples failed")]
     Transform {

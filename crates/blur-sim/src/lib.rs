@@ -1,8 +1,9 @@
 //! Synthetic motion-blurred pictures with known truth.
 //!
 //! The modules are the path of the light: a sharp [`scene`], a [`motion`] of it over the sensor (or a [`defocus`]), the
-//! [`expose`]d picture, and what the [`sensor`] makes of it. [`rng`] feeds them all: a seed gives the same picture on
-//! every machine. [`sample`] puts them together once.
+//! [`expose`]d picture, possibly [`displaced`], and what the [`sensor`] makes of it. [`rng`] feeds them all: a seed
+//! gives the same picture on every machine. [`sample`] puts them together once, and [`rig`] for a whole experiment with
+//! accelerated motion.
 //!
 //! # Conventions
 //!
@@ -18,9 +19,11 @@
 
 mod check;
 pub mod defocus;
+pub mod displaced;
 mod error;
 pub mod expose;
 pub mod motion;
+pub mod rig;
 pub mod rng;
 pub mod sample;
 pub mod scene;

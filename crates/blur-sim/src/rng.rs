@@ -40,10 +40,15 @@ impl Rng {
         Self { source, spare_gaussian: None }
     }
 
+    /// 64 random bits, such as the seed of another sequence.
+    pub fn bits(&mut self) -> u64 {
+        self.source.next_u64()
+    }
+
     /// A number in `[0, 1)`: a multiple of `2^-53`, all equally likely.
     pub fn uniform(&mut self) -> f64 {
         const STEP: f64 = 1.0 / (1_u64 << 53) as f64;
-        (self.source.next_u64() >> 11) as f64 * STEP
+        (self.bits() >> 11) as f64 * STEP
     }
 
     /// A number in `[low, high)`; `low` itself when the interval is empty.

@@ -2,7 +2,9 @@
 #![allow(clippy::unwrap_used)]
 
 use blur_sim::Error;
-use blur_sim::scene::{DeadLeaves, FIELD_MEAN, FIELD_STD, PlaneWave, dead_leaves, gaussian_field, plane_waves};
+use blur_sim::scene::{
+    Bars, DeadLeaves, FIELD_MEAN, FIELD_STD, PlaneWave, bars, dead_leaves, gaussian_field, plane_waves,
+};
 use blur_sim::sensor::quantised;
 use ndarray::{Array2, Axis};
 use proptest::prelude::*;
@@ -219,4 +221,45 @@ proptest! {
         prop_assert_eq!(scene.dim(), (rows, cols));
         prop_assert!(scene.iter().all(|&grey| grey > darkest - 1e-9 && grey < brightest + 1e-9));
     }
+}
+
+#[test]
+fn bars_stand_upright_in_bands_with_soft_edges() {
+    let print =
+        Bars { width_min_px: 6.0, width_max_px: 20.0, height_min_px: 10.0, height_max_px: 30.0, ..Bars::default() };
+    let scene = bars(4, 300, 400, &print).unwrap();
+    assert_eq!(scene, bars(4, 300, 400, &print).unwrap());
+    assert_ne!(scene, bars(5, 300, 400, &print).unwrap());
+    assert!(scene.iter().all(|grey| (print.grey_min..=print.grey_max).contains(grey)));
+    // An edge between two bars lies in two pixels, which hold a quarter and three quarters of the step.
+    let row = scene.row(150).to_vec();
+    let changes: Vec<usize> = (1..400).filter(|&col| row[col] != row[col - 1]).collect();
+    let edges: Vec<usize> = changes.chunks(3).map(|chunk| chunk[0]).collect();
+    assert_eq!(changes.len(), 3 * edges.len());
+    for &col in edges.iter().filter(|&&col| col < 396) {
+        let step = row[col + 2] - row[col - 1];
+        assert!((row[col] - row[col - 1] - 0.25 * step).abs() < 1e-9);
+        assert!((row[col + 1] - row[col - 1] - 0.75 * step).abs() < 1e-9);
+    }
+    // Widths of 6 to 20 pixels, rounded: 13 on the average, whose sum over 30 bars has a standard deviation of 22.
+    let widths = edges.windows(2).map(|pair| pair[1] - pair[0]);
+    assert!(widths.clone().all(|width| (5..=21).contains(&width)), "{edges:?}");
+    assert!((20..42).contains(&edges.len()), "{}", edges.len());
+    // Within a band all rows are alike; every 20 rows on the average another band begins.
+    let new_rows = (1..300).filter(|&y| scene.row(y) != scene.row(y - 1)).count();
+    assert!((3 * 10..=3 * 30).contains(&new_rows) && new_rows % 3 == 0, "{new_rows}");
+}
+
+#[test]
+fn impossible_bars_are_refused() {
+    for print in [
+        Bars { width_min_px: 0.5, ..Bars::default() },
+        Bars { width_max_px: 1.0, ..Bars::default() },
+        Bars { height_min_px: f64::NAN, ..Bars::default() },
+        Bars { height_max_px: 2e5, ..Bars::default() },
+        Bars { grey_max: 256.0, ..Bars::default() },
+    ] {
+        assert!(matches!(bars(1, 10, 10, &print), Err(Error::Parameter { .. })), "{print:?}");
+    }
+    assert!(matches!(bars(1, 0, 10, &Bars::default()), Err(Error::Size { .. })));
 }
