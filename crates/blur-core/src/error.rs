@@ -73,4 +73,32 @@ pub enum Error {
         /// Names that exist, separated by spaces.
         known: String,
     },
+    /// A method that compares with sharp pictures was given none.
+    #[error("no sharp picture to compare with: give at least one still of the same scene")]
+    NoStill,
+    /// A picture has not the size of the stills it is compared with.
+    #[error(
+        "the picture is {other_width}x{other_height} pixels, the stills are {width}x{height}: all must have one size"
+    )]
+    StillSize {
+        /// Columns of the stills.
+        width: usize,
+        /// Rows of the stills.
+        height: usize,
+        /// Columns of the picture.
+        other_width: usize,
+        /// Rows of the picture.
+        other_height: usize,
+    },
+    /// Two stills do not show the same scene.
+    #[error(
+        "still {index} does not show the scene of the first: {:.0} % of its contrast is not explained; leave it out",
+        100.0 * share
+    )]
+    StillsDiffer {
+        /// Number of the still, from 1.
+        index: usize,
+        /// Share of its variance that the first does not explain.
+        share: f64,
+    },
 }

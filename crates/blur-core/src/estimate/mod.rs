@@ -19,7 +19,9 @@ mod types;
 
 pub use pair::{KnownAngle, Pair};
 pub use settings::{LengthRange, Settings};
-pub use types::{Acceleration, AngleEstimate, AxialAngle, Doubt, Evidence, LengthEstimate, MotionBlur, Status};
+pub use types::{
+    Acceleration, AngleEstimate, AxialAngle, Doubt, Evidence, LengthEstimate, MotionBlur, SignedRatio, Status,
+};
 
 use ndarray::ArrayView2;
 

@@ -28,6 +28,7 @@ impl JointEstimator for Pair {
             length_px: length.length_px,
             length_std_px: length.std_px,
             correlation: None,
+            direction_deg: None,
             status: angle.status.worse(length.status),
             evidence: None,
             acceleration: None,

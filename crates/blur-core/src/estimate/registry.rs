@@ -2,6 +2,8 @@
 
 use std::fmt;
 
+use ndarray::ArrayView2;
+
 use super::{AngleEstimator, JointEstimator, LengthEstimator, Settings, angle, joint, length};
 use crate::{Error, Result};
 
@@ -98,6 +100,36 @@ pub const JOINT: &[Method<Box<dyn JointEstimator>>] = &[
         build: |settings| Box::new(joint::PhaseAutocorrelation::new(settings)),
     },
 ];
+
+/// A joint method that compares a picture with sharp pictures of the same scene.
+pub struct ReferenceMethod {
+    /// Name on the command line, in JSON and in tables.
+    pub name: &'static str,
+    /// What it does, in one line.
+    pub summary: &'static str,
+    build: fn(&[ArrayView2<'_, f32>], &Settings) -> Result<joint::Reference>,
+}
+
+impl ReferenceMethod {
+    /// A new estimator for pictures of the scene that `stills` show. Fails as [`joint::Reference::new`] does.
+    pub fn build(&self, stills: &[ArrayView2<'_, f32>], settings: &Settings) -> Result<joint::Reference> {
+        (self.build)(stills, settings)
+    }
+}
+
+impl fmt::Debug for ReferenceMethod {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("ReferenceMethod").field("name", &self.name).finish_non_exhaustive()
+    }
+}
+
+/// Joint methods that need sharp pictures of the same scene. They can all look for an
+/// [`Acceleration`](super::Acceleration), with its sign.
+pub const REFERENCE: &[ReferenceMethod] = &[ReferenceMethod {
+    name: "reference",
+    summary: "least squares against sharp pictures of the same scene",
+    build: joint::Reference::new,
+}];
 
 /// Joint methods that fit the likelihood and so can look for an [`Acceleration`](super::Acceleration) too.
 pub const ACCELERATION: &[&str] = &["whittle"];

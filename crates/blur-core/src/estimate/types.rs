@@ -99,6 +99,20 @@ pub enum Doubt {
         /// Largest share at which an answer is trusted.
         most: f64,
     },
+    /// Much of the picture's contrast is neither that of the blurred stills nor noise: another scene, or another motion.
+    Unexplained {
+        /// Share of the contrast.
+        share: f64,
+        /// Largest share of a trusted answer.
+        most: f64,
+    },
+    /// The length found is hardly longer than none.
+    ShortLength {
+        /// The length found in pixels.
+        length_px: f64,
+        /// Least length of a motion blur in pixels, by itself or by the uncertainty.
+        needed_px: f64,
+    },
     /// The answer is too uncertain to be of use.
     Uncertain {
         /// Standard uncertainty.
@@ -167,6 +181,17 @@ impl fmt::Display for Doubt {
                     f,
                     "another blur is nearly as good: {share:.2} of the evidence for the best, at most {most:.2} allowed"
                 )
+            }
+            Self::Unexplained { share, most } => {
+                write!(
+                    f,
+                    "the stills do not explain {:.0} % of the contrast, at most {:.0} % allowed",
+                    100.0 * share,
+                    100.0 * most
+                )
+            }
+            Self::ShortLength { length_px, needed_px } => {
+                write!(f, "length {length_px:.1} px, at least {needed_px:.1} px needed for a motion blur")
             }
             Self::Uncertain { std, most, unit } => {
                 write!(f, "standard uncertainty {std:.1} {unit}, at most {most:.1} {unit} allowed")
@@ -266,6 +291,9 @@ pub struct MotionBlur {
     pub length_std_px: Option<f64>,
     /// Correlation coefficient of angle and length; `None` when the method states none.
     pub correlation: Option<f64>,
+    /// Where the content of the picture moved, in degrees counter-clockwise from +x as seen, in `[0, 360)`; `None` when the
+    /// method cannot tell a motion from its opposite.
+    pub direction_deg: Option<f64>,
     /// How far to trust the result.
     pub status: Status,
     /// What speaks for and against the result; `None` when the method weighs no likelihoods.
@@ -311,6 +339,29 @@ pub struct Acceleration {
     pub ratio_std: f64,
     /// The root of three standard uncertainties of `r^2` at a uniform motion: few uniform motions are read as more.
     pub detection_limit: f64,
+    /// Correlation coefficient of `|r|` and the length.
+    pub length_correlation: f64,
+    /// Standard uncertainty of `r^2`, what a power spectrum is a function of.
+    square_std: f64,
+    /// The ratio with its sign; `None` when the method cannot tell speeding up from slowing down.
+    pub signed: Option<SignedRatio>,
+}
+
+/// An acceleration ratio whose sign is known: positive where the content speeds up along
+/// [`MotionBlur::direction_deg`] or, where that is not known, along the axis [`MotionBlur::angle`] in `[0, 180)`.
+///
+/// With the stated uncertainties of length and angle and their correlation it makes up the covariance of the three; the
+/// acceleration `2 r k L / T^2` needs that of ratio and length.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SignedRatio {
+    /// `r`, from -1 to 1.
+    pub ratio: f64,
+    /// Its standard uncertainty.
+    pub std: f64,
+    /// Its correlation coefficient with the length.
+    pub length_correlation: f64,
+    /// Its correlation coefficient with the angle.
+    pub angle_correlation: f64,
 }
 
 impl Acceleration {
@@ -318,17 +369,42 @@ impl Acceleration {
     /// near 0 the structure of the scene adds to it.
     const LIMIT: f64 = 3.0;
 
-    /// From `r^2`, 0 to 1, its standard uncertainty and that at a uniform motion: the spectrum is a function of the square.
-    pub(crate) fn from_square(ratio2: f64, std: f64, uniform_std: f64) -> Self {
+    /// From `r^2`, 0 to 1, its standard uncertainty, that at a uniform motion, and its correlation with the length: the
+    /// spectrum is a function of the square.
+    pub(crate) fn from_square(ratio2: f64, std: f64, uniform_std: f64, length_correlation: f64) -> Self {
         let ratio = ratio2.clamp(0.0, 1.0).sqrt();
         let detection_limit = (Self::LIMIT * uniform_std).sqrt();
         let ratio_std = if ratio > 0.0 { (0.5 * std / ratio).min(detection_limit) } else { detection_limit };
-        Self { ratio, ratio_std, detection_limit }
+        Self { ratio, ratio_std, detection_limit, length_correlation, square_std: std, signed: None }
+    }
+
+    /// From a ratio whose sign is known; its error is normal, near 0 too.
+    pub(crate) fn from_signed(signed: SignedRatio) -> Self {
+        Self {
+            ratio: signed.ratio.abs(),
+            ratio_std: signed.std,
+            detection_limit: Self::LIMIT * signed.std,
+            length_correlation: signed.length_correlation * signed.ratio.signum(),
+            square_std: 2.0 * signed.ratio.abs() * signed.std,
+            signed: Some(signed),
+        }
     }
 
     /// Whether the acceleration stands out from a uniform motion.
     pub fn is_detected(&self) -> bool {
         self.ratio > self.detection_limit
+    }
+
+    /// The least and the largest `|r|` within `k` standard uncertainties, cut to 0..1: of `r^2` where the sign is not
+    /// known, which holds at any ratio, while `ratio` and `ratio_std` do only far from 0.
+    pub fn interval(&self, k: f64) -> (f64, f64) {
+        if self.signed.is_some() {
+            let end = |ratio: f64| ratio.clamp(0.0, 1.0);
+            return (end(self.ratio - k * self.ratio_std), end(self.ratio + k * self.ratio_std));
+        }
+        let square = self.ratio * self.ratio;
+        let end = |square: f64| square.clamp(0.0, 1.0).sqrt();
+        (end(square - k * self.square_std), end(square + k * self.square_std))
     }
 }
 
@@ -363,17 +439,17 @@ mod tests {
     #[test]
     fn an_acceleration_is_the_root_of_its_square() {
         // At 0 the square's uncertainty bounds the ratio from above: sqrt(3 std).
-        let none = Acceleration::from_square(0.0, 0.01, 0.01);
+        let none = Acceleration::from_square(0.0, 0.01, 0.01, 0.0);
         assert_eq!(none.ratio, 0.0);
         assert!((none.detection_limit - 0.03_f64.sqrt()).abs() < 1e-12);
         assert_eq!(none.ratio_std, none.detection_limit);
         assert!(!none.is_detected());
         // Of a small one the first order, std / (2 r) = 0.5, says more than there is to know.
-        let small = Acceleration::from_square(1e-4, 0.01, 0.01);
+        let small = Acceleration::from_square(1e-4, 0.01, 0.01, 0.0);
         assert!((small.ratio - 0.01).abs() < 1e-12);
         assert_eq!(small.ratio_std, small.detection_limit);
         assert!(!small.is_detected());
-        let full = Acceleration::from_square(1.0, 0.01, 0.01);
+        let full = Acceleration::from_square(1.0, 0.01, 0.01, 0.0);
         assert_eq!(full.ratio, 1.0);
         assert!((full.ratio_std - 0.005).abs() < 1e-12);
         assert!(full.is_detected());
@@ -381,7 +457,7 @@ mod tests {
 
     #[test]
     fn a_square_out_of_range_is_cut() {
-        assert_eq!(Acceleration::from_square(-0.1, 0.01, 0.01).ratio, 0.0);
-        assert_eq!(Acceleration::from_square(1.1, 0.01, 0.01).ratio, 1.0);
+        assert_eq!(Acceleration::from_square(-0.1, 0.01, 0.01, 0.0).ratio, 0.0);
+        assert_eq!(Acceleration::from_square(1.1, 0.01, 0.01, 0.0).ratio, 1.0);
     }
 }

@@ -2,9 +2,11 @@
 
 mod lag_peak;
 mod phase_autocorrelation;
+mod reference;
 mod whittle;
 
 pub use phase_autocorrelation::PhaseAutocorrelation;
+pub use reference::Reference;
 pub use whittle::{Stage, Whittle};
 
 use super::{AxialAngle, Doubt, LengthRange, MotionBlur, Status};
@@ -17,6 +19,7 @@ fn no_pattern(range: LengthRange) -> MotionBlur {
         length_px: range.min_px(),
         length_std_px: None,
         correlation: None,
+        direction_deg: None,
         status: Status::NoMotionBlur(Doubt::NoPattern),
         evidence: None,
         acceleration: None,

@@ -110,6 +110,7 @@ fn from_peak(peak: LagPeak, range: LengthRange) -> MotionBlur {
         length_px,
         length_std_px: None,
         correlation: None,
+        direction_deg: None,
         status: status_in(range, length_px, status),
         evidence: None,
         acceleration: None,

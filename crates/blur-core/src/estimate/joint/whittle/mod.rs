@@ -17,7 +17,7 @@ use ndarray::ArrayView2;
 
 pub(super) use self::scene::{MEAN, STD, TERMS, terms};
 
-use self::view::{Outcome, View};
+use self::view::{Accelerated, Outcome, View};
 use super::no_pattern;
 use crate::estimate::per_size::PerSize;
 use crate::estimate::{Acceleration, AxialAngle, Evidence, JointEstimator, LengthRange, MotionBlur, Settings, Status};
@@ -34,6 +34,8 @@ const LARGEST_PX: usize = 2048;
 const UNIFORM: f64 = -5.0;
 /// Little variance lost, leakage low enough for clean 8-bit pictures.
 const WHOLE_WINDOW: Window = Window::Tukey { taper: 0.25 };
+/// No leakage at all: what leaks from afar into a dark line looks like an acceleration.
+const ACCELERATION_WINDOW: Window = Window::Hann;
 
 /// `whittle`: maximum likelihood of direction, length and scene, from all powers of the spectrum at once.
 ///
@@ -93,9 +95,17 @@ pub struct Whittle {
 #[derive(Debug)]
 struct Plan {
     range: LengthRange,
-    first: View,
+    first: Part,
     /// The part of a large picture that is measured when one blur fills it.
-    whole: Option<View>,
+    whole: Option<Part>,
+}
+
+/// A part of the picture under the windows that it is measured with.
+#[derive(Debug)]
+struct Part {
+    view: View,
+    /// Under the window for the acceleration, where that is asked for and another one.
+    accelerated: Option<View>,
 }
 
 impl Whittle {
@@ -148,41 +158,61 @@ impl Plan {
         let side = rows.min(columns);
         let range = settings.lengths_in(side.min(MIDDLE_PX) as f64);
         if side <= WHOLE_PX {
-            let window = settings.window.unwrap_or(WHOLE_WINDOW);
-            return Self { range, first: View::new((rows, columns), window, range), whole: None };
+            return Self { range, first: Part::new((rows, columns), WHOLE_WINDOW, range, settings), whole: None };
         }
         let middle = side.min(MIDDLE_PX);
         let largest = side.min(LARGEST_PX);
         Self {
             range,
-            first: View::new((middle, middle), settings.window.unwrap_or(Window::Hann), range),
-            whole: (largest > middle)
-                .then(|| View::new((largest, largest), settings.window.unwrap_or(WHOLE_WINDOW), range)),
+            first: Part::new((middle, middle), Window::Hann, range, settings),
+            whole: (largest > middle).then(|| Part::new((largest, largest), WHOLE_WINDOW, range, settings)),
         }
     }
 
     fn measure(&mut self, image: ArrayView2<'_, f32>, acceleration: bool, done: &mut dyn FnMut(Stage)) -> MotionBlur {
         let side = image.nrows().min(image.ncols());
-        let view = if side <= WHOLE_PX { image } else { centre_square(image, MIDDLE_PX) };
-        self.first.set(view);
+        let picture = if side <= WHOLE_PX { image } else { centre_square(image, MIDDLE_PX) };
+        let Part { view, .. } = &mut self.first;
+        view.set(picture);
         done(Stage::Spectrum);
-        let Some(outcome) = self.first.measure(done) else { return no_pattern(self.range) };
+        let Some(outcome) = view.measure(done) else { return no_pattern(self.range) };
         let status = verdict::status(&outcome, self.range);
         let mut refined = None;
         if let Some(whole) = self.whole.as_mut().filter(|_| status == Status::Ok && is_uniform(&outcome)) {
-            let view = centre_square(image, LARGEST_PX);
-            whole.set(view);
-            refined = whole.refine(&outcome).filter(|refined| agree(&outcome, refined)).map(|refined| {
-                let ratio2 = acceleration.then(|| whole.acceleration(&refined)).flatten();
-                result(&refined, verdict::status(&refined, self.range), view.dim(), ratio2)
+            let picture = centre_square(image, LARGEST_PX);
+            whole.view.set(picture);
+            refined = whole.view.refine(&outcome).filter(|refined| agree(&outcome, refined)).map(|refined| {
+                let accelerated = acceleration.then(|| whole.acceleration(picture, &refined)).flatten();
+                result(&refined, verdict::status(&refined, self.range), picture.dim(), accelerated)
             });
         }
         let found = refined.unwrap_or_else(|| {
-            let ratio2 = acceleration.then(|| self.first.acceleration(&outcome)).flatten();
-            result(&outcome, status, view.dim(), ratio2)
+            let accelerated = acceleration.then(|| self.first.acceleration(picture, &outcome)).flatten();
+            result(&outcome, status, picture.dim(), accelerated)
         });
         done(Stage::Refinement);
         found
+    }
+}
+
+impl Part {
+    fn new(dim: (usize, usize), window: Window, range: LengthRange, settings: &Settings) -> Self {
+        let accelerated = settings.acceleration && settings.window.is_none() && window != ACCELERATION_WINDOW;
+        Self {
+            view: View::new(dim, settings.window.unwrap_or(window), range),
+            accelerated: accelerated.then(|| View::new(dim, ACCELERATION_WINDOW, range)),
+        }
+    }
+
+    /// The fit of the accelerated blur to `picture`, which is that of the view, from the view's outcome.
+    fn acceleration(&mut self, picture: ArrayView2<'_, f32>, outcome: &Outcome) -> Option<Accelerated> {
+        match &mut self.accelerated {
+            Some(view) => {
+                view.set(picture);
+                view.acceleration(outcome)
+            }
+            None => self.view.acceleration(outcome),
+        }
     }
 }
 
@@ -199,16 +229,27 @@ fn result(
     outcome: &Outcome,
     status: Status,
     (rows, columns): (usize, usize),
-    ratio2: Option<(f64, f64, f64)>,
+    accelerated: Option<Accelerated>,
 ) -> MotionBlur {
-    let covariance = &outcome.covariance;
+    let acceleration = accelerated.map(|found| {
+        let std = found.covariance[2][2].sqrt();
+        let correlation = found.covariance[0][2] / (found.covariance[0][0].sqrt() * std);
+        Acceleration::from_square(found.ratio2, std, found.uniform_std, correlation)
+    });
+    // A uniform blur fitted to one that accelerates is too long; one that is not known to accelerate counts as uniform.
+    let detected = accelerated.filter(|_| acceleration.is_some_and(|acceleration| acceleration.is_detected()));
+    let (length, angle, covariance) = match &detected {
+        Some(found) => (found.length, found.angle, &found.covariance),
+        None => (outcome.length, outcome.angle, &outcome.covariance),
+    };
     let (log_length_std, angle_std) = (covariance[0][0].sqrt(), covariance[1][1].sqrt());
     MotionBlur {
-        angle: AxialAngle::from_deg(outcome.angle.to_degrees()),
+        angle: AxialAngle::from_deg(angle.to_degrees()),
         angle_std_deg: Some(angle_std.to_degrees()),
-        length_px: outcome.length,
-        length_std_px: Some(outcome.length * log_length_std),
+        length_px: length,
+        length_std_px: Some(length * log_length_std),
         correlation: Some(covariance[0][1] / (log_length_std * angle_std)),
+        direction_deg: None,
         status,
         evidence: Some(Evidence {
             gain: outcome.gain,
@@ -222,6 +263,6 @@ fn result(
             rows,
             columns,
         }),
-        acceleration: ratio2.map(|(ratio2, std, uniform)| Acceleration::from_square(ratio2, std, uniform)),
+        acceleration,
     }
 }

@@ -80,6 +80,21 @@ pub(super) struct Outcome {
     pub(super) misfit: f64,
 }
 
+/// What the likelihood says of a part of a picture when the motion may accelerate.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Accelerated {
+    /// Pixels.
+    pub(super) length: f64,
+    /// Radians.
+    pub(super) angle: f64,
+    /// The squared ratio, 0 to 1.
+    pub(super) ratio2: f64,
+    /// Covariance of `ln L`, the angle and `r^2`, the roughness of the scene counted in.
+    pub(super) covariance: Covariance,
+    /// Standard deviation of `r^2` if the motion were uniform.
+    pub(super) uniform_std: f64,
+}
+
 /// Plans and buffers for pictures of one size under one window.
 #[derive(Debug)]
 pub(super) struct View {
@@ -167,18 +182,20 @@ impl View {
         Some(outcome)
     }
 
-    /// `r^2` from the fit of the accelerated blur at the last result, its standard deviation, and what that would be for a
-    /// uniform motion.
-    pub(super) fn acceleration(&mut self, outcome: &Outcome) -> Option<(f64, f64, f64)> {
-        let width = self.width_for(outcome.length);
-        self.gather(self.points[0].angle, width, outcome.band);
+    /// The fit of the accelerated blur, from the result of a view of the same part of the picture; `None` when the
+    /// likelihood is flat there.
+    pub(super) fn acceleration(&mut self, from: &Outcome) -> Option<Accelerated> {
+        self.start_fit(Candidate { angle: from.angle, length: from.length, gain: 0.0 }, from.band);
+        self.points.swap(0, 1);
+        self.settle();
         let [best, trial, _] = &mut self.points;
         trial.copy(best);
-        let scale = widening(trial, outcome.band);
+        let scale = widening(trial, from.band);
         self.fit.maximise(&self.cells, Kernel::AcceleratedLine, trial, Effort { steps: 0, ..FINAL });
-        let uniform = scale * self.fit.covariance()?[2][2].sqrt();
+        let uniform_std = scale * self.fit.covariance()?[2][2].sqrt();
         self.fit.maximise(&self.cells, Kernel::AcceleratedLine, trial, FINAL);
-        Some((trial.ratio2, scale * self.fit.covariance()?[2][2].sqrt(), uniform))
+        let covariance = self.fit.covariance()?.map(|row| row.map(|value| value * scale * scale));
+        Some(Accelerated { length: trial.length, angle: trial.angle, ratio2: trial.ratio2, covariance, uniform_std })
     }
 
     /// Lets every band search and joins what they find into modes, the one with most votes first.
