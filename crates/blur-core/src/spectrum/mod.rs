@@ -20,4 +20,5 @@ pub use dct::Dct2;
 pub use dft::{Dft2, InverseDft2};
 pub use level::Levelled;
 pub(crate) use log::{exp, ln};
+pub use noise::{NoiseFloor, Powers};
 pub use phase::PhaseOnly;

@@ -2,7 +2,7 @@
 
 /// Distribution of the powers of a spectrum of white noise.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Powers {
+pub enum Powers {
     /// Squares of real coefficients (DCT): chi-square with one degree of freedom.
     OfReal,
     /// Squared moduli of complex coefficients (DFT): exponential.
@@ -21,7 +21,7 @@ impl Powers {
 
 /// Reads the mean power of the noise where blurred pictures have next to no signal: 0.4 to 0.5 cycles per pixel.
 #[derive(Debug, Clone)]
-pub(crate) struct NoiseFloor {
+pub struct NoiseFloor {
     samples: Vec<f32>,
 }
 
@@ -31,14 +31,22 @@ const BAND: std::ops::RangeInclusive<f64> = 0.4..=0.5;
 /// Least floor for a picture of variance 1: far below 8-bit rounding, only there to keep logarithms finite.
 const LEAST: f32 = 1e-8;
 
+impl Default for NoiseFloor {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
 impl NoiseFloor {
-    pub(crate) fn new() -> Self {
+    /// Buffers for any number of spectra.
+    pub fn new() -> Self {
         Self { samples: Vec::with_capacity(SAMPLES) }
     }
 
-    /// The mean noise power of a spectrum of `rows` x `columns` bins: `frequency(row, column)` gives a bin's radius in
-    /// cycles per pixel, `power(row, column)` its power. The median is blind to what signal is left in the band.
-    pub(crate) fn read(
+    /// The mean noise power of a spectrum of `rows` x `columns` bins: `radius(row, column)` gives a bin's radius in
+    /// cycles per pixel, `power(row, column)` its power, scaled so that a picture of variance 1 has mean power 1. The
+    /// median is blind to what signal is left in the band.
+    pub fn read(
         &mut self,
         (rows, columns): (usize, usize),
         powers: Powers,
