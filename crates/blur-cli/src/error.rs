@@ -96,6 +96,9 @@ pub enum Error {
     /// The picture or a parameter of the measurement is refused.
     #[error(transparent)]
     Estimate(#[from] blur_core::Error),
+    /// The data of a regression, or a model, are refused.
+    #[error(transparent)]
+    Accel(#[from] blur_accel::Error),
     /// A value or its uncertainty is not a possible measurement.
     #[error(transparent)]
     Measurement(#[from] metrology::Error),
@@ -105,6 +108,20 @@ pub enum Error {
         /// The name asked for.
         name: String,
         /// What may be asked for.
+        known: String,
+    },
+    /// The method compares with sharp pictures, and none were given.
+    #[error("the method '{method}' compares with sharp pictures of the scene: name them after --reference")]
+    NeedsStills {
+        /// The method asked.
+        method: String,
+    },
+    /// Sharp pictures were given to a method that has no use for them.
+    #[error("the method '{method}' does not compare with sharp pictures; with --reference: {known}")]
+    NoUseForStills {
+        /// The method asked.
+        method: String,
+        /// Those that do.
         known: String,
     },
     /// The method does not fit the likelihood, so it cannot tell an acceleration.
@@ -149,6 +166,84 @@ pub enum Error {
         /// What went wrong.
         source: Box<Error>,
     },
+    /// A table names no blurred picture.
+    #[error("the table names no blurred picture: there is nothing to learn from")]
+    NoBlurred,
+    /// Something is wrong with one line of a table.
+    #[error("line {line}: {source}")]
+    InLine {
+        /// Number of the line, from 1.
+        line: usize,
+        /// What is wrong.
+        source: Box<Error>,
+    },
+    /// A table lacks a column.
+    #[error("there is no column '{column}': the first line must name the columns {needed}, with commas between them")]
+    NoColumn {
+        /// The column.
+        column: &'static str,
+        /// All that are needed.
+        needed: String,
+    },
+    /// A line has more or fewer fields than the table has columns.
+    #[error(
+        "{fields} fields where the first line names {expected} columns; is a decimal comma among them? Write a point"
+    )]
+    FieldCount {
+        /// Fields in the line.
+        fields: usize,
+        /// Columns of the table.
+        expected: usize,
+    },
+    /// A field that is needed is empty.
+    #[error("the column '{column}' is empty")]
+    EmptyColumn {
+        /// The column.
+        column: &'static str,
+    },
+    /// A field holds no number, or one that is impossible.
+    #[error("'{text}' in the column '{column}' is not {expected}")]
+    ColumnNumber {
+        /// The column.
+        column: &'static str,
+        /// What was written.
+        text: String,
+        /// What it should be.
+        expected: &'static str,
+    },
+    /// A picture is neither still nor blurred.
+    #[error("'{kind}' in the column 'kind' is neither still nor blurred")]
+    PictureKind {
+        /// What was written.
+        kind: String,
+    },
+    /// A table names a file that does not exist.
+    #[error("there is no file '{image}' (paths are seen from the folder of the table)")]
+    NoPicture {
+        /// The name of the file.
+        image: String,
+    },
+    /// A table names a picture twice.
+    #[error("the picture '{image}' is already in the table")]
+    RepeatedPicture {
+        /// The name of the file.
+        image: String,
+    },
+    /// Nothing tells how a scene looks at rest.
+    #[error("the scene '{scene}' has no still: at least one picture of it at rest is needed")]
+    NoStills {
+        /// Name of the scene.
+        scene: String,
+    },
+    /// A table cannot be read, or not be written.
+    #[error(transparent)]
+    Csv(csv::Error),
+    /// A folder that is to be filled holds something.
+    #[error("the folder is not empty: name one that is, or one that does not exist yet")]
+    FolderNotEmpty,
+    /// The virtual rig refuses its settings.
+    #[error(transparent)]
+    Rig(#[from] blur_sim::Error),
     /// No picture is left to be blurred.
     #[error("no picture is left to be measured")]
     NoSharpPicture,
@@ -179,9 +274,15 @@ pub enum Error {
     /// A row could not be written as JSON.
     #[error("cannot be written as JSON: {0}")]
     Json(#[from] serde_json::Error),
-    /// A plot cannot be written.
+    /// A plot, a picture or a table cannot be written.
     #[error("cannot be written: {0}")]
     Write(#[source] io::Error),
+    /// A plot cannot be drawn.
+    #[error("cannot be drawn: {reason}")]
+    Plot {
+        /// What the drawing library says.
+        reason: String,
+    },
     /// The worker threads could not be started.
     #[error("cannot start the worker threads: {0}")]
     Threads(#[from] rayon::ThreadPoolBuildError),

@@ -5,10 +5,11 @@
 //! [`input`] (files, folders, patterns) → [`picture`] (decode, luma, orientation; with [`exif`]) → [`measure`]
 //! (options, estimator, record; with [`method`]) → [`pipeline`] (many pictures on several threads, results in order) →
 //! [`record`] (JSON) and [`text`] (for people). [`units`] reads quantities such as `1/250s` and `0.7789mm/px`.
-//! [`reproduce`] judges the methods on pictures of known truth.
+//! [`reproduce`] judges the methods on pictures of known truth, and [`accel`] learns from them.
 //!
 //! Nothing here prints or ends the process; only the programs in `src/bin` do.
 
+pub mod accel;
 mod error;
 pub mod exif;
 pub mod input;
@@ -19,6 +20,7 @@ pub mod pipeline;
 pub mod record;
 pub mod reproduce;
 pub mod sample;
+pub mod stills;
 pub mod text;
 pub mod units;
 

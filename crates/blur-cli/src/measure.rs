@@ -5,7 +5,7 @@ use std::time::Instant;
 use blur_core::camera::Scale;
 use blur_core::estimate::{JointEstimator, MotionBlur, Settings, Status};
 use blur_core::image::Region;
-use blur_core::motion::{COVERAGE_K, Exposure, Speed};
+use blur_core::motion::{AcceleratedPath, COVERAGE_K, Exposure, PathAcceleration, Speed};
 use metrology::Measurement;
 
 use crate::Result;
@@ -73,16 +73,13 @@ impl<'a> Measurer<'a> {
             linearized: picture.linearized,
             angle_deg: blur.angle.deg(),
             angle_std_deg: blur.angle_std_deg,
+            direction_deg: blur.direction_deg,
             length_px: blur.length_px,
             length_std_px: blur.length_std_px,
             correlation: blur.correlation,
             status: blur.status.name(),
             reason: blur.status.doubt().map(|doubt| doubt.to_string()),
-            // Without a blur there is nothing that could accelerate.
-            acceleration: blur
-                .acceleration
-                .filter(|_| !matches!(blur.status, Status::NoMotionBlur(_)))
-                .map(AccelerationFields::from),
+            acceleration: self.acceleration(&blur, exposure.map(|(exposure, _)| exposure))?,
             evidence: blur.evidence.map(EvidenceFields::from),
             exposure_s: exposure.map(|(exposure, _)| exposure.seconds().value()),
             exposure_source: exposure.map(|(_, source)| source),
@@ -104,6 +101,26 @@ impl<'a> Measurer<'a> {
         };
         let exposure = Exposure::new(Measurement::new(seconds, self.options.exposure_std_s)?)?;
         Ok(Some((exposure, source)))
+    }
+
+    fn acceleration(&self, blur: &MotionBlur, exposure: Option<Exposure>) -> Result<Option<AccelerationFields>> {
+        // Without a blur there is nothing that could accelerate.
+        let Some(found) = blur.acceleration.filter(|_| !matches!(blur.status, Status::NoMotionBlur(_))) else {
+            return Ok(None);
+        };
+        let length_px = Measurement::new(blur.length_px, blur.length_std_px.unwrap_or(0.0))?;
+        let to_metric = self.options.scale.zip(exposure).map(|(scale, exposure)| {
+            move |ratio: f64, std: f64| -> Result<PathAcceleration> {
+                let ratio = Measurement::new(ratio, std)?;
+                let path = AcceleratedPath {
+                    ratio,
+                    length_px,
+                    correlation: found.signed.map_or(found.length_correlation, |signed| signed.length_correlation),
+                };
+                Ok(PathAcceleration::from_blur(&path, scale, exposure))
+            }
+        });
+        AccelerationFields::new(found, to_metric).map(Some)
     }
 
     fn speed(&self, blur: &MotionBlur, exposure: Option<Exposure>) -> (Option<Speed>, Option<NoSpeed>) {

@@ -1,5 +1,8 @@
 //! Which estimator to use, by the names of the registry.
 
+use std::sync::Arc;
+
+use blur_core::estimate::joint::Reference;
 use blur_core::estimate::{AxialAngle, JointEstimator, KnownAngle, Pair, Settings, registry};
 
 use crate::{Error, Result};
@@ -12,11 +15,13 @@ type Joint = registry::Method<Box<dyn JointEstimator>>;
 #[derive(Clone)]
 pub struct Method(Choice);
 
-#[derive(Clone, Copy)]
+#[derive(Clone)]
 enum Choice {
     Joint(&'static Joint),
     Pair(&'static Angle, &'static Length),
     KnownAngle(AxialAngle, &'static Length),
+    /// The estimator itself: it knows its stills.
+    Reference(&'static str, Arc<Reference>),
 }
 
 impl Method {
@@ -34,6 +39,9 @@ impl Method {
             Some((angle, length)) => Self::pair(Some(angle), Some(length)),
             None => match registry::joint(name) {
                 Ok(joint) => Ok(Self(Choice::Joint(joint))),
+                Err(_) if registry::REFERENCE.iter().any(|method| method.name == name) => {
+                    Err(Error::NeedsStills { method: name.to_owned() })
+                }
                 Err(_) => Err(unknown(name)),
             },
         }
@@ -53,30 +61,38 @@ impl Method {
         Ok(Self(Choice::KnownAngle(angle, length_method(length)?)))
     }
 
+    /// The method called `name` that compares with sharp pictures, ready with its own.
+    pub fn with_stills(name: &'static str, estimator: Reference) -> Self {
+        Self(Choice::Reference(name, Arc::new(estimator)))
+    }
+
     /// The name in results: that of the joint method, `ANGLE+LENGTH` or `known-angle+LENGTH`.
     pub fn name(&self) -> String {
-        match self.0 {
+        match &self.0 {
             Choice::Joint(joint) => joint.name.to_owned(),
             Choice::Pair(angle, length) => format!("{}+{}", angle.name, length.name),
             Choice::KnownAngle(_, length) => format!("known-angle+{}", length.name),
+            Choice::Reference(name, _) => (*name).to_owned(),
         }
     }
 
     /// Refuses a method that cannot look for an acceleration, and names those that can.
     pub fn check_acceleration(&self) -> Result<()> {
-        match self.0 {
+        match &self.0 {
+            Choice::Reference(..) => Ok(()),
             Choice::Joint(joint) if registry::ACCELERATION.contains(&joint.name) => Ok(()),
             _ => Err(Error::NoAcceleration { method: self.name(), known: registry::ACCELERATION.join(", ") }),
         }
     }
 
-    /// A new estimator.
+    /// A new estimator. The settings of a method that compares with sharp pictures are those it was made with.
     pub fn build(&self, settings: &Settings) -> Box<dyn JointEstimator> {
-        match self.0 {
+        match &self.0 {
+            Choice::Reference(_, estimator) => Box::new(Reference::clone(estimator)),
             Choice::Joint(joint) => joint.build(settings),
             Choice::Pair(angle, length) => Box::new(Pair::new(angle.build(settings), length.build(settings))),
             Choice::KnownAngle(angle, length) => {
-                Box::new(Pair::new(Box::new(KnownAngle(angle)), length.build(settings)))
+                Box::new(Pair::new(Box::new(KnownAngle(*angle)), length.build(settings)))
             }
         }
     }

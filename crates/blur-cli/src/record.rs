@@ -3,6 +3,7 @@
 use std::io::{self, Write};
 
 use blur_core::estimate::{Acceleration, Evidence};
+use blur_core::motion::PathAcceleration;
 use serde::Serialize;
 
 use crate::Error;
@@ -31,7 +32,8 @@ pub enum NoSpeed {
 /// How strongly the motion accelerated.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct AccelerationFields {
-    /// The ratio `a T / (2 v)` without its sign, 0 for a uniform motion, 1 for one that starts or ends at rest.
+    /// The ratio `a T / (2 v)`, 0 for a uniform motion, 1 for one that starts from rest, without its sign unless the
+    /// method knows it: then it is negative where the motion slows down, along the direction or else along the axis.
     #[serde(rename = "accel_ratio")]
     pub ratio: f64,
     /// Its standard uncertainty.
@@ -43,16 +45,58 @@ pub struct AccelerationFields {
     /// Whether the ratio stands out from that of a uniform motion.
     #[serde(skip)]
     pub detected: bool,
+    /// Whether the sign of the ratio is known.
+    #[serde(skip)]
+    pub is_signed: bool,
+    /// In metres per second squared, when exposure and scale are known.
+    #[serde(flatten)]
+    pub metric: Option<MetricAcceleration>,
 }
 
-impl From<Acceleration> for AccelerationFields {
-    fn from(found: Acceleration) -> Self {
-        Self {
-            ratio: found.ratio,
+/// An acceleration in metres per second squared.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct MetricAcceleration {
+    /// The acceleration.
+    #[serde(rename = "accel_m_s2")]
+    pub value_m_s2: f64,
+    /// Its combined standard uncertainty.
+    #[serde(rename = "accel_std_m_s2")]
+    pub std_m_s2: f64,
+    /// Its expanded uncertainty, two standard uncertainties.
+    #[serde(rename = "accel_expanded_m_s2")]
+    pub expanded_m_s2: f64,
+    /// The least acceleration that counts as detected.
+    #[serde(rename = "accel_limit_m_s2")]
+    pub limit_m_s2: f64,
+}
+
+impl AccelerationFields {
+    /// What was found, and with `to_metric`, which turns a ratio with its standard uncertainty into an acceleration, that.
+    pub fn new(
+        found: Acceleration,
+        to_metric: Option<impl Fn(f64, f64) -> Result<PathAcceleration, Error>>,
+    ) -> Result<Self, Error> {
+        let ratio = found.signed.map_or(found.ratio, |signed| signed.ratio);
+        let metric = match to_metric {
+            Some(to_metric) => {
+                let found_m_s2 = to_metric(ratio, found.ratio_std)?;
+                Some(MetricAcceleration {
+                    value_m_s2: found_m_s2.value_m_s2,
+                    std_m_s2: found_m_s2.std_m_s2,
+                    expanded_m_s2: found_m_s2.expanded_m_s2(),
+                    limit_m_s2: to_metric(found.detection_limit, 0.0)?.value_m_s2,
+                })
+            }
+            None => None,
+        };
+        Ok(Self {
+            ratio,
+            is_signed: found.signed.is_some(),
             ratio_std: found.ratio_std,
             limit: found.detection_limit,
             detected: found.is_detected(),
-        }
+            metric,
+        })
     }
 }
 
@@ -101,6 +145,9 @@ pub struct Record {
     /// Its standard uncertainty.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub angle_std_deg: Option<f64>,
+    /// Where the content of the picture moved, in degrees, in `[0, 360)`, when the method can tell.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub direction_deg: Option<f64>,
     /// Blur length in pixels.
     pub length_px: f64,
     /// Its standard uncertainty.
@@ -158,7 +205,13 @@ struct Failure<'a> {
 pub fn write_json(out: &mut impl Write, image: &str, outcome: Result<&Record, &Error>) -> io::Result<()> {
     match outcome {
         Ok(record) => serde_json::to_writer(&mut *out, record)?,
-        Err(error) => serde_json::to_writer(&mut *out, &Failure { image, error: &error.one_line() })?,
+        Err(error) => return write_failure(out, image, error),
     }
+    out.write_all(b"\n")
+}
+
+/// Writes why there is no result for a picture, as one JSON object on a line of its own.
+pub fn write_failure(out: &mut impl Write, image: &str, error: &Error) -> io::Result<()> {
+    serde_json::to_writer(&mut *out, &Failure { image, error: &error.one_line() })?;
     out.write_all(b"\n")
 }

@@ -2,7 +2,9 @@
 
 use std::fmt::Write;
 
-use crate::record::{ExposureSource, NoSpeed, Record};
+use blur_core::motion::COVERAGE_K;
+
+use crate::record::{ExposureSource, MetricAcceleration, NoSpeed, Record};
 
 /// A record as two lines: the measurement, and how it came about; a third for the acceleration if there is one. After `±` stands one standard uncertainty or, where
 /// `(k = 2)` follows, the expanded uncertainty.
@@ -42,13 +44,32 @@ pub fn from_record(record: &Record) -> String {
         Some(NoSpeed::NoMotionBlur) => text.push_str("; no speed: no motion blur"),
         None => {}
     }
+    if let Some(deg) = record.direction_deg {
+        // The direction is as uncertain as its axis.
+        let direction = with_uncertainty(deg, record.angle_std_deg, 1);
+        let _ = write!(text, "\n    direction {direction} deg");
+    }
     if let Some(found) = record.acceleration {
         let limit = format!("{:.*}", decimals_of(found.limit, 2), found.limit);
         if found.detected {
             let ratio = with_uncertainty(found.ratio, Some(found.ratio_std), 2);
-            let _ = write!(text, "\n    acceleration ratio {ratio}, detected above {limit}");
+            let sign = match (found.is_signed, found.ratio < 0.0) {
+                (false, _) => "",
+                (true, false) => " (speeding up)",
+                (true, true) => " (slowing down)",
+            };
+            // Along a mere axis there is no speeding up or slowing down, only a sign.
+            let sign = if record.direction_deg.is_some() { sign } else { "" };
+            let _ = write!(text, "\n    acceleration ratio {ratio}{sign}, detected above {limit}");
+            if let Some(metric) = found.metric {
+                let value = with_uncertainty(metric.value_m_s2, Some(metric.expanded_m_s2), 2);
+                let _ = write!(text, "; acceleration {value} m/s2 (k = {COVERAGE_K})");
+            }
         } else {
-            let _ = write!(text, "\n    acceleration not detected, below {limit}");
+            let _ = write!(text, "\n    acceleration not detected, below the ratio {limit}");
+            if let Some(MetricAcceleration { limit_m_s2, .. }) = found.metric {
+                let _ = write!(text, " or {limit_m_s2:.*} m/s2", decimals_of(limit_m_s2, 2));
+            }
         }
     }
     text
@@ -56,7 +77,7 @@ pub fn from_record(record: &Record) -> String {
 
 /// A value to as many decimals as its uncertainty has with two significant digits (GUM 7.2.6), or to `decimals`
 /// without one.
-fn with_uncertainty(value: f64, uncertainty: Option<f64>, decimals: usize) -> String {
+pub fn with_uncertainty(value: f64, uncertainty: Option<f64>, decimals: usize) -> String {
     match uncertainty {
         Some(u) => {
             let decimals = if u > 0.0 { decimals_of(u, 2) } else { decimals };
@@ -121,6 +142,7 @@ mod tests {
             linearized: false,
             angle_deg: 93.51,
             angle_std_deg: Some(0.41),
+            direction_deg: None,
             length_px: 30.84,
             length_std_px: Some(0.25),
             correlation: None,
@@ -155,13 +177,42 @@ mod tests {
              x+y, 12.3 ms, exposure 10 ms (EXIF); no speed: --scale is missing"
         );
         record.no_speed = None;
-        let mut found = AccelerationFields { ratio: 0.523, ratio_std: 0.0412, limit: 0.214, detected: true };
+        let mut found = AccelerationFields {
+            ratio: 0.523,
+            ratio_std: 0.0412,
+            limit: 0.214,
+            detected: true,
+            is_signed: false,
+            metric: None,
+        };
         record.acceleration = Some(found);
         let text = from_record(&record);
         assert_eq!(text.lines().last(), Some("    acceleration ratio 0.523 ± 0.041, detected above 0.21"));
         found.detected = false;
         record.acceleration = Some(found);
         let text = from_record(&record);
-        assert_eq!(text.lines().last(), Some("    acceleration not detected, below 0.21"));
+        assert_eq!(text.lines().last(), Some("    acceleration not detected, below the ratio 0.21"));
+        let metric = MetricAcceleration { value_m_s2: 1.234, std_m_s2: 0.05, expanded_m_s2: 0.1, limit_m_s2: 0.512 };
+        found.metric = Some(metric);
+        record.acceleration = Some(found);
+        let text = from_record(&record);
+        assert_eq!(text.lines().last(), Some("    acceleration not detected, below the ratio 0.21 or 0.51 m/s2"));
+        found.detected = true;
+        record.acceleration = Some(found);
+        let text = from_record(&record);
+        let expected =
+            "    acceleration ratio 0.523 ± 0.041, detected above 0.21; acceleration 1.23 ± 0.10 m/s2 (k = 2)";
+        assert_eq!(text.lines().last(), Some(expected));
+        (found.metric, found.is_signed, found.ratio) = (None, true, -0.523);
+        (record.acceleration, record.direction_deg) = (Some(found), Some(273.51));
+        let text = from_record(&record);
+        let lines: Vec<_> = text.lines().skip(2).collect();
+        assert_eq!(
+            lines,
+            [
+                "    direction 273.51 ± 0.41 deg",
+                "    acceleration ratio -0.523 ± 0.041 (slowing down), detected above 0.21"
+            ]
+        );
     }
 }

@@ -100,12 +100,30 @@ fn an_acceleration_is_told_from_a_uniform_motion() {
     let output = run(["--accel".as_ref(), path.as_os_str()]);
     assert!(stdout(&output).contains("\n    acceleration ratio 0."), "{output:?}");
 
+    let rig = ["--accel", "--exposure", "100ms", "--scale", "1.1mm/px", path.to_str().unwrap()];
+    let (_, records) = run_json(rig);
+    let metric = ["accel_m_s2", "accel_std_m_s2", "accel_expanded_m_s2", "accel_limit_m_s2", "length_px"];
+    let [value, std_m_s2, expanded, limit_m_s2, length_px] = metric.map(|field| number(&records[0], field));
+    // a = 2 r k L / T^2
+    let per_ratio = 2.0 * 1.1e-3 * length_px / 0.01;
+    assert!(
+        (value - per_ratio * ratio).abs() < 1e-9 && (limit_m_s2 - per_ratio * limit).abs() < 1e-9,
+        "{}",
+        records[0]
+    );
+    assert!((0.9..1.2).contains(&(std_m_s2 / (per_ratio * std))), "{}", records[0]);
+    assert!((expanded - 2.0 * std_m_s2).abs() < 1e-12, "{}", records[0]);
+    // One per cent of the exposure is two of the acceleration, and nothing else changes.
+    let (_, records) = run_json(rig.into_iter().chain(["--exposure-u", "1ms"]));
+    let wider = number(&records[0], "accel_std_m_s2");
+    assert!((wider * wider - std_m_s2 * std_m_s2 - (0.02 * value).powi(2)).abs() < 1e-9, "{}", records[0]);
+
     // The motion of the sample is uniform.
     let (_, records) = run_json(["--accel"]);
     let [ratio, std, limit] = fields.map(|field| number(&records[0], field));
     assert!(ratio <= limit && std < 0.2 && limit < 0.2, "{}", records[0]);
     let output = run(["--accel"]);
-    assert!(stdout(&output).contains("\n    acceleration not detected, below 0."), "{output:?}");
+    assert!(stdout(&output).contains("\n    acceleration not detected, below the ratio 0."), "{output:?}");
     assert!(!stdout(&run(["--method", "whittle"])).contains("acceleration"));
 }
 

@@ -10,8 +10,9 @@ const HEIGHT: f64 = 420.0;
 const TOP: f64 = 44.0;
 const BOTTOM: f64 = 372.0;
 const LEFT: f64 = 76.0;
-/// Width of one box with its surroundings.
+/// Least width of one box with its surroundings, and what a letter of its label needs.
 const STRIDE: f64 = 110.0;
+const LETTER: f64 = 7.5;
 const HALF_BOX: f64 = 28.0;
 const FONT: &str = r#"font-family="sans-serif" font-size="13""#;
 
@@ -29,7 +30,9 @@ pub fn write_all(boxplots: &[Boxplot], folder: &Path) -> Result<()> {
 /// The drawing: for each level a box from the lower to the upper quartile with the median in it and whiskers to the
 /// least and the greatest error, on a logarithmic axis.
 pub fn svg(plot: &Boxplot) -> String {
-    let width = LEFT + STRIDE * plot.boxes.len().max(1) as f64 + 20.0;
+    let longest = plot.boxes.iter().map(|(level, _)| level.chars().count()).max().unwrap_or(0);
+    let stride = STRIDE.max(LETTER * (longest + 2) as f64);
+    let width = LEFT + stride * plot.boxes.len().max(1) as f64 + 20.0;
     let axis = Axis::over(plot);
     let mut out = String::new();
     // Writing to a String cannot fail.
@@ -52,7 +55,7 @@ pub fn svg(plot: &Boxplot) -> String {
         let _ = writeln!(out, r#"<text x="{:.1}" y="{:.1}" text-anchor="end">{label}</text>"#, LEFT - 8.0, y + 4.5);
     }
     for (i, (level, errors)) in plot.boxes.iter().enumerate() {
-        let x = LEFT + STRIDE * (i as f64 + 0.5);
+        let x = LEFT + stride * (i as f64 + 0.5);
         let [min, q1, median, q3, max] =
             [errors.min, errors.q1, errors.median, errors.q3, errors.max].map(|e| axis.y(e));
         let (left, right) = (x - HALF_BOX, x + HALF_BOX);

@@ -4,8 +4,10 @@
 //! draws its cases with a seed, has them measured on several threads in a fixed order, and summarises them.
 //!
 //! [`pictures`] (sharp) → [`shots`] (blurred, recorded) → [`outcome`] (measured, beside the truth) → [`statistics`],
-//! [`cramer_rao`] → [`coverage`], [`efficiency`], [`negatives`] → [`report`] → [`boxplot`].
+//! [`cramer_rao`] → [`coverage`], [`efficiency`], [`negatives`] → [`report`] → [`boxplot`]. The table [`acceleration`] takes
+//! its pictures on a virtual rig.
 
+pub mod acceleration;
 pub mod boxplot;
 pub mod coverage;
 pub mod cramer_rao;
@@ -89,6 +91,11 @@ impl fmt::Debug for Table {
 
 /// All tables.
 pub const TABLES: &[Table] = &[
+    Table {
+        name: "6.2",
+        summary: "nineteen regressions, length alone and physics on the rig of the thesis's chapter 6",
+        make: acceleration::table,
+    },
     Table {
         name: "coverage",
         summary: "errors and stated uncertainties on photographs of any blur, by noise",

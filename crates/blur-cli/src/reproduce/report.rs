@@ -125,11 +125,11 @@ pub struct TextTable {
 }
 
 impl TextTable {
-    pub(super) fn new(header: &[&str]) -> Self {
+    pub(crate) fn new(header: &[&str]) -> Self {
         Self { lines: vec![header.iter().map(|&cell| cell.to_owned()).collect()] }
     }
 
-    pub(super) fn push(&mut self, cells: Vec<String>) {
+    pub(crate) fn push(&mut self, cells: Vec<String>) {
         self.lines.push(cells);
     }
 }
@@ -155,7 +155,7 @@ impl fmt::Display for TextTable {
 }
 
 /// `value` with `digits` decimals, or a dash.
-pub(super) fn number(value: Option<f64>, digits: usize) -> String {
+pub(crate) fn number(value: Option<f64>, digits: usize) -> String {
     value.map_or_else(|| "-".to_owned(), |value| format!("{value:.digits$}"))
 }
 

@@ -7,7 +7,7 @@ use std::path::PathBuf;
 use blur_cli::measure::Options;
 use blur_cli::method::Method;
 use blur_cli::picture::Linearize;
-use blur_cli::{Result, units};
+use blur_cli::{Error, Result, stills, units};
 use blur_core::camera::Scale;
 use blur_core::estimate::{AxialAngle, LengthRange, Settings, registry};
 use blur_core::image::{Region, Window};
@@ -46,7 +46,20 @@ pub(crate) struct Args {
     #[arg(long, value_name = "DEG", help_heading = "Method", value_parser = units::degrees, allow_negative_numbers = true)]
     known_angle: Option<f64>,
 
-    /// Also look for an acceleration: its ratio r = a T / (2 v) without sign, with uncertainty and detection limit
+    /// Sharp pictures of the same scene with the camera at rest where the shutter opens (files, folders, patterns; name
+    /// the blurred pictures first): the direction becomes an arrow, the acceleration gets its sign
+    #[arg(
+        long,
+        value_name = "SHARP",
+        help_heading = "Method",
+        num_args = 1..,
+        requires = "inputs",
+        conflicts_with_all = ["angle", "length", "known_angle"]
+    )]
+    reference: Vec<PathBuf>,
+
+    /// Also look for an acceleration: its ratio r = a T / (2 v), with uncertainty and detection limit; without sign
+    /// unless there is a --reference
     #[arg(long, help_heading = "Method")]
     accel: bool,
 
@@ -107,8 +120,23 @@ enum LinearizeWhen {
 impl Args {
     /// The options of a run. What is refused here is a mistake on the command line.
     pub(crate) fn options(&self) -> Result<Options> {
+        let linearize = match self.linearize {
+            LinearizeWhen::Auto => Linearize::Auto,
+            LinearizeWhen::On => Linearize::On,
+            LinearizeWhen::Off => Linearize::Off,
+        };
+        let mut settings = Settings::default();
+        settings.acceleration = self.accel;
+        settings.length_range = self.range;
+        settings.window = self.window.map(|window| match window {
+            WindowName::None => Window::None,
+            WindowName::Hann => Window::Hann,
+        });
         let length = self.length.as_deref();
         let method = match (&self.method, &self.angle, self.known_angle) {
+            (name, _, _) if !self.reference.is_empty() => {
+                stills::method(name.as_deref(), &self.reference, self.roi, linearize, &settings)?
+            }
             (Some(name), _, _) => Method::named(name)?,
             (None, _, Some(deg)) => Method::known_angle(AxialAngle::from_deg(deg), length)?,
             (None, None, None) if length.is_none() => Method::recommended()?,
@@ -117,13 +145,6 @@ impl Args {
         if self.accel {
             method.check_acceleration()?;
         }
-        let mut settings = Settings::default();
-        settings.acceleration = self.accel;
-        settings.length_range = self.range;
-        settings.window = self.window.map(|window| match window {
-            WindowName::None => Window::None,
-            WindowName::Hann => Window::Hann,
-        });
         let exposure_std_s = self.exposure_u.unwrap_or(0.0);
         if let Some(seconds) = self.exposure {
             Exposure::new(Measurement::new(seconds, exposure_std_s)?)?;
@@ -132,24 +153,16 @@ impl Args {
             Some(m_per_px) => Some(Scale::new(Measurement::new(m_per_px, self.scale_u.unwrap_or(0.0))?)?),
             None => None,
         };
-        Ok(Options {
-            method,
-            settings,
-            roi: self.roi,
-            linearize: match self.linearize {
-                LinearizeWhen::Auto => Linearize::Auto,
-                LinearizeWhen::On => Linearize::On,
-                LinearizeWhen::Off => Linearize::Off,
-            },
-            exposure_s: self.exposure,
-            exposure_std_s,
-            scale,
-        })
+        Ok(Options { method, settings, roi: self.roi, linearize, exposure_s: self.exposure, exposure_std_s, scale })
     }
 }
 
 fn method(name: &str) -> Result<String> {
-    Method::named(name).map(|_| name.to_owned())
+    match Method::named(name) {
+        // Whether there are any is seen when all options are known.
+        Ok(_) | Err(Error::NeedsStills { .. }) => Ok(name.to_owned()),
+        Err(error) => Err(error),
+    }
 }
 
 fn angle(name: &str) -> Result<String> {
@@ -166,6 +179,7 @@ fn length(name: &str) -> Result<String> {
 fn guide() -> String {
     let mut text = String::new();
     list(&mut text, "Methods for --method", registry::JOINT.iter().map(|m| (m.name, m.summary)));
+    list(&mut text, "Methods for --method with --reference", registry::REFERENCE.iter().map(|m| (m.name, m.summary)));
     list(&mut text, "Methods for --angle", registry::ANGLE.iter().map(|m| (m.name, m.summary)));
     list(&mut text, "Methods for --length", registry::LENGTH.iter().map(|m| (m.name, m.summary)));
     if let Ok(method) = Method::recommended() {
@@ -198,7 +212,13 @@ What is measured:
   speed   scale * length / exposure, in m/s
   ratio   with --accel, how strongly the motion accelerated: 0 for a uniform
           motion, 1 for one that starts or ends at rest; one picture cannot
-          tell speeding up from slowing down
+          tell speeding up from slowing down; with exposure and scale also
+          the acceleration 2 * ratio * speed / exposure, in m/s2
+  With --reference also
+  direction  where the content of the picture moved, from 0 up to 360, when one
+          end of its path is where the sharp pictures show it; the ratio then
+          has a sign, negative where the motion slows down along the direction
+          or, where that is not known, along the angle
   status  ok, low_confidence (with the reason) or no_motion_blur (no speed)
   After ± stands one standard uncertainty or, where (k = 2) follows, the
   expanded uncertainty. A method that states no uncertainty of the length
@@ -217,12 +237,15 @@ Pictures:
   decoded sRGB light).
 
 JSON fields (--json), absent when not computed:
-  image width height method linearized angle_deg angle_std_deg length_px
-  length_std_px correlation status reason accel_ratio accel_ratio_std
-  accel_ratio_limit gain_per_bin rival_share incoherent_share misfit
+  image width height method linearized angle_deg angle_std_deg direction_deg
+  length_px length_std_px correlation status reason accel_ratio
+  accel_ratio_std accel_ratio_limit accel_m_s2 accel_std_m_s2
+  accel_expanded_m_s2 accel_limit_m_s2 gain_per_bin rival_share
+  incoherent_share misfit
   band_cycles_per_px exposure_s exposure_source speed_m_s speed_std_m_s
   speed_expanded_m_s coverage_k time_ms
-  accel_ratio_limit is the least ratio that counts as detected.
+  accel_ratio_limit and accel_limit_m_s2 are the least ratio and acceleration
+  that count as detected.
   gain_per_bin is the gain in log-likelihood over no blur for each bin of
   signal, rival_share the evidence for the best other blur relative to this
   one, incoherent_share the share of light that does not follow the motion,
@@ -243,4 +266,5 @@ Examples:
   estimate --exposure 100ms --exposure-u 0.1ms \\
            --scale 0.7789mm/px --scale-u 0.002mm/px slider.png
   estimate --json --jobs 4 'run1/*.png' run2 > results.jsonl
+  estimate --accel blurred/ --reference still1.png still2.png
   estimate --known-angle 0 --range 10,80 rail.tif";

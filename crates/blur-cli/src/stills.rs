@@ -1,0 +1,55 @@
+//! The sharp pictures of `--reference`.
+
+use std::path::PathBuf;
+
+use blur_core::estimate::{Settings, registry};
+use blur_core::image::Region;
+
+use crate::input::{self, Input};
+use crate::method::Method;
+use crate::picture::{self, Linearize};
+use crate::{Error, Result, sample};
+
+/// The method called `name`, or the first one that compares with sharp pictures, with the stills that `arguments` stand
+/// for: files, folders, patterns. They are read once; `roi` and `linearize` apply to them as to the pictures.
+pub fn method(
+    name: Option<&str>,
+    arguments: &[PathBuf],
+    roi: Option<Region>,
+    linearize: Linearize,
+    settings: &Settings,
+) -> Result<Method> {
+    let known = || registry::REFERENCE.iter().map(|method| method.name).collect::<Vec<_>>().join(", ");
+    let method = match name {
+        Some(name) => registry::REFERENCE
+            .iter()
+            .find(|method| method.name == name)
+            .ok_or_else(|| Error::NoUseForStills { method: name.to_owned(), known: known() })?,
+        None => registry::REFERENCE.first().ok_or(Error::NoMethod { kind: "reference" })?,
+    };
+    let mut stills = Vec::new();
+    for input in input::expand(arguments) {
+        let name = PathBuf::from(input.name());
+        let read = match input {
+            Input::File(path) => picture::read(&path, linearize),
+            Input::Sample => picture::decode(sample::PNG, linearize),
+            Input::Failed { error, .. } => Err(error),
+        };
+        stills.push(read.map_err(|source| Error::InFile { path: name, source: Box::new(source) })?.luma);
+    }
+    let mut views = Vec::with_capacity(stills.len());
+    for still in &stills {
+        views.push(match roi {
+            Some(region) => region.of(still.view())?,
+            None => still.view(),
+        });
+    }
+    let mut estimator = method.build(&views, settings)?;
+    if let (Some(region), Some(still)) = (roi, stills.first()) {
+        // The lens has its centre in the middle of the whole picture.
+        let (rows, columns) = still.dim();
+        let middle = |size: usize, first: usize| 0.5 * (size as f64 - 1.0) - first as f64;
+        estimator = estimator.with_optical_centre(middle(columns, region.x), middle(rows, region.y));
+    }
+    Ok(Method::with_stills(method.name, estimator))
+}
