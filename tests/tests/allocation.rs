@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used, reason = "a picture that cannot be made or measured fails the test")]
 
 use allocation_counter::measure;
-use blur_core::estimate::registry::{ANGLE, JOINT, LENGTH};
+use blur_core::estimate::registry::{ANGLE, JOINT, LENGTH, REFERENCE};
 use blur_core::estimate::{AxialAngle, JointEstimator, KnownAngle, Pair, Settings};
 use blur_sim::expose::expose_padded;
 use blur_sim::motion::Motion;
@@ -100,6 +100,21 @@ fn joint_methods_allocate_only_for_the_first_picture_of_a_size() {
             let mut estimator = method.build(&Settings::default());
             estimator.estimate(pictures[0].view()).unwrap();
             for (i, picture) in pictures.iter().enumerate() {
+                let (found, count) = allocations(|| estimator.estimate(picture.view()));
+                found.unwrap();
+                assert_eq!(count, 0, "{} {dim:?} picture {i}", method.name);
+            }
+        }
+    }
+}
+
+#[test]
+fn methods_that_have_stills_allocate_only_when_they_are_built() {
+    for dim in [(96, 96), (75, 93), (101, 67)] {
+        let still = dead_leaves(7, dim.0, dim.1, &DeadLeaves::default()).unwrap().mapv(|pixel| pixel as f32);
+        for method in REFERENCE {
+            let mut estimator = method.build(&[still.view()], &Settings::default()).unwrap();
+            for (i, picture) in pictures(dim).iter().enumerate() {
                 let (found, count) = allocations(|| estimator.estimate(picture.view()));
                 found.unwrap();
                 assert_eq!(count, 0, "{} {dim:?} picture {i}", method.name);
