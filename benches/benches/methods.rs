@@ -4,7 +4,7 @@ use std::error::Error;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant, SystemTime};
 
-use blur_benches::{ANGLE_DEG, FFT, Id, Timing, blurred_frame, blurred_picture, median_ns, table};
+use blur_benches::{ANGLE_DEG, FFT, Id, Timing, blurred_frame, blurred_picture, median_ns, sharp_picture, table};
 use blur_core::Result;
 use blur_core::estimate::joint::{Stage, Whittle};
 use blur_core::estimate::{AxialAngle, JointEstimator, Pair, Settings, registry};
@@ -25,8 +25,8 @@ fn main() -> std::result::Result<(), Box<dyn Error>> {
         .configure_from_args();
     let mut ids = Vec::new();
     for side in SIDES {
-        let picture = blurred_picture(side)?;
-        ids.extend(time_all(&mut criterion, picture.view())?);
+        let (picture, still) = (blurred_picture(side)?, sharp_picture(side)?);
+        ids.extend(time_all(&mut criterion, picture.view(), still.view())?);
     }
     let frame = blurred_frame(FRAME)?;
     let mut whittle = Whittle::new(&Settings::default());
@@ -99,7 +99,7 @@ fn output_folder() -> PathBuf {
     tmp.parent().unwrap_or(tmp).join("criterion")
 }
 
-fn time_all(criterion: &mut Criterion, picture: ArrayView2<'_, f32>) -> Result<Vec<Id>> {
+fn time_all(criterion: &mut Criterion, picture: ArrayView2<'_, f32>, still: ArrayView2<'_, f32>) -> Result<Vec<Id>> {
     let settings = Settings::default();
     let mut bench = Bench { criterion, side: picture.ncols(), ids: Vec::new() };
     let (rows, columns) = picture.dim();
@@ -123,6 +123,10 @@ fn time_all(criterion: &mut Criterion, picture: ArrayView2<'_, f32>) -> Result<V
     }
     for method in registry::JOINT {
         let mut estimator = method.build(&settings);
+        bench.time("joint", method.name, || estimator.estimate(picture))?;
+    }
+    for method in registry::REFERENCE {
+        let mut estimator = method.build(&[still], &settings)?;
         bench.time("joint", method.name, || estimator.estimate(picture))?;
     }
     Ok(bench.ids)

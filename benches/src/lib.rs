@@ -6,6 +6,9 @@
 //! cargo bench -p blur-benches -- 'fft|angle' # the angle methods and what they are compared with
 //! ```
 //!
+//! `cargo bench -p blur-benches --bench regression` times the regressions of the acceleration instead, in observations a
+//! second.
+//!
 //! # How to read it
 //!
 //! Criterion first prints each benchmark as `kind/method/side`. The run ends with a table: for every method and size
@@ -28,5 +31,5 @@
 mod picture;
 mod report;
 
-pub use picture::{ANGLE_DEG, LENGTH_PX, blurred_frame, blurred_picture};
+pub use picture::{ANGLE_DEG, LENGTH_PX, blurred_frame, blurred_picture, sharp_picture};
 pub use report::{FFT, Id, Timing, median_ns, table};
