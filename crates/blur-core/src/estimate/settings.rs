@@ -26,6 +26,12 @@ impl LengthRange {
         Ok(Self { min_px, max_px })
     }
 
+    /// The part of the range up to `most_px`, at least twice the shortest length that methods look for by themselves.
+    pub(crate) fn within(self, most_px: f64) -> Self {
+        let max_px = self.max_px.min(most_px.max(2.0 * LEAST_LENGTH_PX));
+        Self { min_px: self.min_px.min(0.5 * max_px), max_px }
+    }
+
     /// Shortest length in pixels.
     pub fn min_px(self) -> f64 {
         self.min_px
@@ -74,6 +80,16 @@ mod tests {
         assert!(LengthRange::new(1.0, 20.0).unwrap_err().to_string().contains("shortest length (px) = 1"));
         assert!(LengthRange::new(10.0, 10.0).unwrap_err().to_string().contains("longest length (px) = 10"));
         assert!(LengthRange::new(f64::NAN, 10.0).is_err());
+    }
+
+    #[test]
+    fn a_range_is_cut_to_what_a_picture_can_hold() {
+        let cut = LengthRange::new(4.0, 1e300).unwrap().within(200.0);
+        assert_eq!((cut.min_px(), cut.max_px()), (4.0, 200.0));
+        let beyond = LengthRange::new(500.0, 900.0).unwrap().within(200.0);
+        assert_eq!((beyond.min_px(), beyond.max_px()), (100.0, 200.0));
+        let inside = LengthRange::new(5.0, 50.0).unwrap();
+        assert_eq!(inside.within(200.0), inside);
     }
 
     #[test]

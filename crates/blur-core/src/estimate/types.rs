@@ -339,7 +339,8 @@ pub struct Acceleration {
     pub ratio_std: f64,
     /// The root of three standard uncertainties of `r^2` at a uniform motion: few uniform motions are read as more.
     pub detection_limit: f64,
-    /// Correlation coefficient of `|r|` and the length.
+    /// Correlation coefficient of `|r|` and the length; 0 when the two come from different fits, as that of a motion
+    /// which counts as uniform.
     pub length_correlation: f64,
     /// Standard uncertainty of `r^2`, what a power spectrum is a function of.
     square_std: f64,
@@ -375,6 +376,8 @@ impl Acceleration {
         let ratio = ratio2.clamp(0.0, 1.0).sqrt();
         let detection_limit = (Self::LIMIT * uniform_std).sqrt();
         let ratio_std = if ratio > 0.0 { (0.5 * std / ratio).min(detection_limit) } else { detection_limit };
+        // What is not detected counts as uniform, and its length is that of another fit.
+        let length_correlation = if ratio > detection_limit { length_correlation } else { 0.0 };
         Self { ratio, ratio_std, detection_limit, length_correlation, square_std: std, signed: None }
     }
 

@@ -8,9 +8,9 @@ use crate::camera::Scale;
 /// A ratio of acceleration and the blur length that it belongs to.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct AcceleratedPath {
-    /// `r = a T / (2 vbar)` with its standard uncertainty.
+    /// `r = a T / (2 vbar)`, -1 to 1, with its standard uncertainty.
     pub ratio: Measurement,
-    /// Blur length in pixels with its standard uncertainty.
+    /// Blur length in pixels, at least 0, with its standard uncertainty.
     pub length_px: Measurement,
     /// Correlation coefficient of the two errors, -1 to 1.
     pub correlation: f64,
@@ -33,7 +33,7 @@ impl PathAcceleration {
         let AcceleratedPath { ratio, length_px, correlation } = path;
         let per_ratio = 2.0 * k.value() * length_px.value() / (t.value() * t.value());
         let value_m_s2 = per_ratio * ratio.value();
-        let by_length = per_ratio * ratio.value() / length_px.value() * length_px.std();
+        let by_length = 2.0 * k.value() / (t.value() * t.value()) * ratio.value() * length_px.std();
         // The two errors are one of the length, shared, and what is left of that of the ratio.
         let shared = by_length + correlation * per_ratio * ratio.std();
         let rest = (1.0 - correlation * correlation).max(0.0).sqrt() * per_ratio * ratio.std();

@@ -126,7 +126,7 @@ impl Reference {
 
     fn of_scene(scene: Arc<Scene>, settings: Settings, optical_centre: [f64; 2]) -> Self {
         let (rows, columns) = scene.grid.picture;
-        let range = settings.lengths_in(rows.min(columns) as f64);
+        let range = settings.lengths_in(rows.min(columns) as f64).within((rows as f64).hypot(columns as f64));
         let measurement = Measurement::new(&scene, range, optical_centre);
         Self { settings, range, optical_centre, scene, measurement }
     }

@@ -31,11 +31,11 @@ pub(super) fn result(outcome: &Outcome, range: LengthRange, acceleration: bool) 
     let axis = AxialAngle::from_deg(outcome.path.angle.to_degrees());
     let is_motion = !matches!(status, Status::NoMotionBlur(_));
     let begin = if is_motion { begin(outcome) } else { None };
-    let path_deg = outcome.path.angle.to_degrees().rem_euclid(360.0);
+    let path_deg = turn_deg(outcome.path.angle.to_degrees());
     // The path may be read from either end; the ratio changes its sign with it.
     let direction_deg = begin.map(|begin| match begin {
         Begin::First => path_deg,
-        Begin::Last => (path_deg + 180.0).rem_euclid(360.0),
+        Begin::Last => turn_deg(path_deg + 180.0),
     });
     let is_along = match begin {
         Some(begin) => begin == Begin::First,
@@ -60,6 +60,13 @@ pub(super) fn result(outcome: &Outcome, range: LengthRange, acceleration: bool) 
             })
         }),
     }
+}
+
+/// A direction folded into `[0, 360)`.
+fn turn_deg(deg: f64) -> f64 {
+    let folded = deg.rem_euclid(360.0);
+    // rem_euclid rounds tiny negative numbers up to 360 itself.
+    if folded >= 360.0 { 0.0 } else { folded }
 }
 
 /// Which end of a path came first.
@@ -119,6 +126,14 @@ mod tests {
 
     fn judged(outcome: &Outcome) -> MotionBlur {
         result(outcome, LengthRange::new(4.0, 100.0).unwrap(), true)
+    }
+
+    #[test]
+    fn a_direction_is_never_a_whole_turn() {
+        for deg in [-1e-17, 0.0, 360.0, -360.0] {
+            assert_eq!(turn_deg(deg), 0.0, "{deg}");
+        }
+        assert_eq!(turn_deg(-90.0), 270.0);
     }
 
     #[test]
