@@ -136,15 +136,13 @@ pub enum Error {
         bytes: usize,
     },
     /// The file of a model was written by a later program.
-    #[error(
-        "the model is of version {version}, and versions up to {known} can be read here: get program {program} or later"
-    )]
+    #[error("the model is of version {version}, and versions up to {known} can be read here: get {program}")]
     NewerModel {
         /// Version of the file.
         version: u64,
         /// Latest version that can be read.
         known: u64,
-        /// Program that wrote it.
+        /// What to get.
         program: String,
     },
     /// The file of a model is not what was written.

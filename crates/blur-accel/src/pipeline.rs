@@ -1,6 +1,6 @@
 //! Principal components, common scales and a regression, fitted together.
 
-use ndarray::{Array1, ArrayView1, ArrayView2};
+use ndarray::{Array1, Array2, ArrayView1, ArrayView2};
 use serde::{Deserialize, Serialize};
 
 use crate::reduce::{Components, Pca, Scaler};
@@ -41,7 +41,7 @@ impl Pipeline {
         fit: impl FnOnce(ArrayView2<'_, f64>) -> Result<Fitted>,
     ) -> Result<Self> {
         let pca = Pca::fit(inputs, components)?;
-        let scores = pca.apply(inputs);
+        let scores = pca.apply(inputs)?;
         let scaler = Scaler::of(scores.view());
         let regression = fit(scaler.apply(scores.view()).view())?;
         Ok(Self { pca, scaler, regression })
@@ -63,13 +63,23 @@ impl Pipeline {
     }
 
     /// Predictions for observations, one a row.
-    pub fn predict(&self, inputs: ArrayView2<'_, f64>) -> Array1<f64> {
-        self.regression.predict(self.scaler.apply(self.pca.apply(inputs).view()).view())
+    ///
+    /// # Errors
+    /// [`Error::Size`](crate::Error::Size) when an observation has another number of numbers than [`columns`](Self::columns).
+    pub fn predict(&self, inputs: ArrayView2<'_, f64>) -> Result<Array1<f64>> {
+        Ok(self.regression.predict(self.scores(inputs)?.view()))
     }
 
     /// Standard deviation of each prediction, where the regression has one.
-    pub fn predict_std(&self, inputs: ArrayView2<'_, f64>) -> Option<Array1<f64>> {
-        self.regression.predict_std(self.scaler.apply(self.pca.apply(inputs).view()).view())
+    ///
+    /// # Errors
+    /// As [`predict`](Self::predict).
+    pub fn predict_std(&self, inputs: ArrayView2<'_, f64>) -> Result<Option<Array1<f64>>> {
+        Ok(self.regression.predict_std(self.scores(inputs)?.view()))
+    }
+
+    fn scores(&self, inputs: ArrayView2<'_, f64>) -> Result<Array2<f64>> {
+        Ok(self.scaler.apply(self.pca.apply(inputs)?.view()))
     }
 
     /// Whether its parts belong together, which they may not when it was read from a file.

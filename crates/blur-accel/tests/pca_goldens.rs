@@ -49,10 +49,10 @@ fn components_are_those_of_scikit_learn() {
         let variances = error(pca.variances(), &golden(&case, "variance"), largest);
         let shares = error(&pca.explained_shares(), &golden(&case, "share"), 1.0);
         // Axes of neighbouring variances are as uncertain as rounding over the gap, here some 1e-3 of a variance.
-        let first = pca.apply(data.slice_axis(Axis(0), (..4).into()));
+        let first = pca.apply(data.slice_axis(Axis(0), (..4).into())).unwrap();
         let scores = error(&first.iter().copied().collect(), &golden(&case, "score"), largest.sqrt());
         let row = Array2::from_elem((1, columns), 2.0);
-        let unseen = pca.apply(row.view()).row(0).to_owned();
+        let unseen = pca.apply(row.view()).unwrap().row(0).to_owned();
         let unseen =
             error(&unseen, &golden(&case, "unseen"), golden(&case, "unseen").dot(&golden(&case, "unseen")).sqrt());
         println!("{case}: {variances:.1e} {shares:.1e} {scores:.1e} {unseen:.1e}");
@@ -65,7 +65,7 @@ fn components_are_those_of_scikit_learn() {
 fn scores_are_uncorrelated_and_have_the_stated_variances() {
     let data = matrix(125, 512);
     let pca = Pca::fit(data.view(), Components::Count(76)).unwrap();
-    let scores = pca.apply(data.view());
+    let scores = pca.apply(data.view()).unwrap();
     let covariance = scores.t().dot(&scores) / 124.0;
     let expected = Array2::from_diag(pca.variances());
     let worst = (covariance - expected).iter().fold(0.0, |a: f64, b| a.max(b.abs()));
@@ -90,7 +90,7 @@ fn observations_without_spread_have_no_shares() {
     for components in [Components::Count(2), Components::Share(0.9)] {
         let pca = Pca::fit(data.view(), components).unwrap();
         assert!(pca.explained_shares().iter().all(|&share| share == 0.0));
-        assert!(pca.apply(data.view()).iter().all(|&score| score == 0.0));
+        assert!(pca.apply(data.view()).unwrap().iter().all(|&score| score == 0.0));
     }
 }
 
@@ -104,4 +104,15 @@ fn wrong_data_are_named() {
     assert!(matches!(Pca::fit(one, Components::Count(1)), Err(Error::TooFew { found: 1, .. })));
     data[[3, 2]] = f64::INFINITY;
     assert!(matches!(Pca::fit(data.view(), Components::Count(2)), Err(Error::NotFinite { row: 3, column: 2, .. })));
+}
+
+#[test]
+fn what_only_rounding_fills_is_no_component() {
+    // Three different observations, each several times: two dimensions.
+    let data = Array2::from_shape_fn((12, 5), |(row, column)| ((row % 3) * (column + 2) % 7) as f64 + 0.1);
+    let pca = Pca::fit(data.view(), Components::Count(76)).unwrap();
+    assert_eq!(pca.components(), 2);
+    let unseen = Array2::from_elem((1, 4), 0.0);
+    assert!(pca.apply(unseen.view()).is_err());
+    assert!(Pca::fit(Array2::zeros((3, 0)).view(), Components::Count(1)).is_err());
 }

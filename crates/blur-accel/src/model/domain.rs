@@ -51,7 +51,9 @@ impl Domain {
         let mut squares = Vec::with_capacity(pictures);
         for (known, held_out) in folds.splits() {
             let others = Pca::fit(inputs.select(Axis(0), &known).view(), components)?;
-            squares.extend(held_out.iter().map(|&row| self::squares(&others, inputs.row(row))));
+            for &row in held_out {
+                squares.push(self::squares(&others, inputs.row(row))?);
+            }
         }
         let mean = |pick: fn(&(f64, f64)) -> f64| squares.iter().map(pick).sum::<f64>() / pictures as f64;
         let mean_q = mean(|squares| squares.1);
@@ -77,8 +79,8 @@ impl Domain {
     }
 
     /// Distance of a PSF from those of the training, in units of the largest that is accepted.
-    pub(super) fn distance(&self, pca: &Pca, psf: ArrayView1<'_, f64>) -> f64 {
-        (self.combine(squares(pca, psf)) / self.limit).sqrt()
+    pub(super) fn distance(&self, pca: &Pca, psf: ArrayView1<'_, f64>) -> Result<f64> {
+        Ok((self.combine(squares(pca, psf)?) / self.limit).sqrt())
     }
 
     fn combine(&self, (t_squared, q): (f64, f64)) -> f64 {
@@ -87,6 +89,10 @@ impl Domain {
     }
 
     pub(super) fn check(&self) -> Result<()> {
+        if !(self.mean_q.is_finite() && self.mean_q >= 0.0) {
+            let (name, value) = ("mean Q of the training", self.mean_q);
+            return Err(Error::Parameter { name, value, expected: "at least 0" });
+        }
         for (name, value) in
             [("limit of the distance to the training", self.limit), ("mean T² of the training", self.mean_t_squared)]
         {
@@ -99,11 +105,11 @@ impl Domain {
 }
 
 /// `T²` and `Q` of an observation.
-fn squares(pca: &Pca, observation: ArrayView1<'_, f64>) -> (f64, f64) {
+fn squares(pca: &Pca, observation: ArrayView1<'_, f64>) -> Result<(f64, f64)> {
     let observation = observation.insert_axis(Axis(0));
-    let scores = pca.apply(observation);
+    let scores = pca.apply(observation)?;
     let least = ROUNDING * pca.variances().sum();
     let scaled = |(score, variance): (&f64, &f64)| if *variance > least { score * score / variance } else { 0.0 };
-    let rest: Array1<f64> = pca.residuals(observation).remove_axis(Axis(0));
-    (scores.iter().zip(pca.variances()).map(scaled).sum(), rest.dot(&rest))
+    let rest: Array1<f64> = pca.residuals(observation)?.remove_axis(Axis(0));
+    Ok((scores.iter().zip(pca.variances()).map(scaled).sum(), rest.dot(&rest)))
 }

@@ -90,7 +90,9 @@ impl Model {
             return Err(Error::NewerModel {
                 version: start.version,
                 known: VERSION,
-                program: start.program.unwrap_or_else(|| "a later version".to_owned()),
+                program: start
+                    .program
+                    .map_or_else(|| "a later program".to_owned(), |program| format!("program {program} or later")),
             });
         }
         let file: File<'_> = serde_json::from_slice(text).map_err(refuse)?;

@@ -144,8 +144,9 @@ impl Model {
             return Err(Error::NotFinite { what: "the PSF", row: 0, column, value });
         }
         let observation = psf.insert_axis(Axis(0));
-        let distance = self.domain.distance(self.pipeline.pca(), psf);
-        if distance > 1.0 {
+        let distance = self.domain.distance(self.pipeline.pca(), psf)?;
+        // A distance that is no number is none to trust.
+        if distance.is_nan() || distance > 1.0 {
             return Err(Error::OutsideTraining {
                 distance,
                 accel_min_m_s2: self.conditions.accel_min_m_s2,
@@ -153,8 +154,8 @@ impl Model {
             });
         }
         Ok(Prediction {
-            accel_m_s2: self.pipeline.predict(observation)[0],
-            std_m_s2: self.pipeline.predict_std(observation).map(|std| std[0]),
+            accel_m_s2: self.pipeline.predict(observation)?[0],
+            std_m_s2: self.pipeline.predict_std(observation)?.map(|std| std[0]),
             distance,
         })
     }

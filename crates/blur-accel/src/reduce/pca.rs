@@ -45,6 +45,9 @@ impl Pca {
         if rows < 2 {
             return Err(Error::TooFew { found: rows, needed: 2, purpose: "for principal components" });
         }
+        if columns == 0 {
+            return Err(Error::Size { what: "numbers in an observation", found: 0, expected: 1 });
+        }
         if let Some(((row, column), &value)) = data.indexed_iter().find(|(_, value)| !value.is_finite()) {
             return Err(Error::NotFinite { what: "the input", row, column, value });
         }
@@ -75,8 +78,10 @@ impl Pca {
         order.sort_by(|&a, &b| svd.singular_values[b].total_cmp(&svd.singular_values[a]));
         let variance = |index: usize| svd.singular_values[index].powi(2) / (rows - 1) as f64;
         let total_variance: f64 = order.iter().map(|&index| variance(index)).sum();
-        // Centred observations have one dimension less than there are of them.
-        let most = columns.min(rows - 1);
+        // Centred observations have one dimension less than there are of them; what only rounding fills is none.
+        let least = f64::EPSILON * rows.max(columns) as f64 * order.first().map_or(0.0, |&i| svd.singular_values[i]);
+        let rank = order.iter().filter(|&&index| svd.singular_values[index] > least).count();
+        let most = rank.min(rows - 1).max(1);
         let kept = match components {
             Components::Count(count) => count.min(most),
             Components::Share(share) => {
@@ -118,21 +123,33 @@ impl Pca {
         if self.total_variance > 0.0 { &self.variances / self.total_variance } else { &self.variances * 0.0 }
     }
 
-    /// Coordinates of observations, one a row, which have as many numbers as those it was made from.
-    pub fn apply(&self, data: ArrayView2<'_, f64>) -> Array2<f64> {
-        (&data - &self.mean).dot(&self.axes.t())
+    /// Coordinates of observations, one a row.
+    ///
+    /// # Errors
+    /// [`Error::Size`] when they have another number of numbers than those it was made from.
+    pub fn apply(&self, data: ArrayView2<'_, f64>) -> Result<Array2<f64>> {
+        check_size("numbers in an observation", data.ncols(), self.columns())?;
+        Ok((&data - &self.mean).dot(&self.axes.t()))
     }
 
     /// What the components leave of observations, one a row: the observation less its projection.
-    pub fn residuals(&self, data: ArrayView2<'_, f64>) -> Array2<f64> {
+    ///
+    /// # Errors
+    /// As [`apply`](Self::apply).
+    pub fn residuals(&self, data: ArrayView2<'_, f64>) -> Result<Array2<f64>> {
+        check_size("numbers in an observation", data.ncols(), self.columns())?;
         let centred = &data - &self.mean;
         let projected = centred.dot(&self.axes.t()).dot(&self.axes);
-        centred - projected
+        Ok(centred - projected)
     }
 
     /// Whether its parts belong together, which they may not when it was read from a file.
     pub(crate) fn check(&self) -> Result<()> {
         check_size("numbers in a principal component", self.axes.ncols(), self.mean.len())?;
-        check_size("variances of principal components", self.variances.len(), self.axes.nrows())
+        check_size("variances of principal components", self.variances.len(), self.axes.nrows())?;
+        match self.variances.iter().find(|variance| !(variance.is_finite() && **variance >= 0.0)) {
+            Some(&value) => Err(Error::Parameter { name: "variance of a component", value, expected: "at least 0" }),
+            None => Ok(()),
+        }
     }
 }

@@ -3,7 +3,7 @@
 use ndarray::{Array1, Array2, ArrayView2, Axis};
 use serde::{Deserialize, Serialize};
 
-use crate::{Result, check_size};
+use crate::{Error, Result, check_size};
 
 /// Mean and standard deviation of each column of the data it was made from.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -37,13 +37,17 @@ impl Scaler {
     }
 
     /// Scaled copy of `data`, which has as many columns.
-    pub fn apply(&self, data: ArrayView2<'_, f64>) -> Array2<f64> {
+    pub(crate) fn apply(&self, data: ArrayView2<'_, f64>) -> Array2<f64> {
         (&data - &self.mean) / &self.std
     }
 
     /// Whether its parts belong together, which they may not when it was read from a file.
     pub(crate) fn check(&self) -> Result<()> {
-        check_size("standard deviations of scores", self.std.len(), self.mean.len())
+        check_size("standard deviations of scores", self.std.len(), self.mean.len())?;
+        match self.std.iter().find(|std| !(std.is_finite() && **std > 0.0)) {
+            Some(&value) => Err(Error::Parameter { name: "standard deviation of a score", value, expected: "above 0" }),
+            None => Ok(()),
+        }
     }
 }
 

@@ -82,10 +82,10 @@ pub(super) fn validate(
         training_time += start.elapsed();
         let unseen = inputs.select(Axis(0), test);
         let start = Instant::now();
-        let found = pipeline.predict(unseen.view());
+        let found = pipeline.predict(unseen.view())?;
         prediction_time += start.elapsed();
         test.iter().zip(&found).for_each(|(&row, &value)| predictions[row] = value);
-        match (pipeline.predict_std(unseen.view()), &mut std) {
+        match (pipeline.predict_std(unseen.view())?, &mut std) {
             (Some(found), Some(std)) => test.iter().zip(&found).for_each(|(&row, &value)| std[row] = value),
             _ => std = None,
         }
