@@ -169,6 +169,14 @@ pub enum Error {
     /// A table names no blurred picture.
     #[error("the table names no blurred picture: there is nothing to learn from")]
     NoBlurred,
+    /// The stills of a scene do not go together.
+    #[error("scene '{scene}': {source}")]
+    InScene {
+        /// Name of the scene.
+        scene: String,
+        /// What is wrong.
+        source: Box<Error>,
+    },
     /// Something is wrong with one line of a table.
     #[error("line {line}: {source}")]
     InLine {

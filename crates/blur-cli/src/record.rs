@@ -43,7 +43,7 @@ pub struct AccelerationFields {
     #[serde(rename = "accel_ratio_limit")]
     pub limit: f64,
     /// Whether the ratio stands out from that of a uniform motion.
-    #[serde(skip)]
+    #[serde(rename = "accel_detected")]
     pub detected: bool,
     /// Whether the sign of the ratio is known.
     #[serde(skip)]

@@ -27,7 +27,7 @@ pub fn method(
             .ok_or_else(|| Error::NoUseForStills { method: name.to_owned(), known: known() })?,
         None => registry::REFERENCE.first().ok_or(Error::NoMethod { kind: "reference" })?,
     };
-    let mut stills = Vec::new();
+    let (mut names, mut stills) = (Vec::new(), Vec::new());
     for input in input::expand(arguments) {
         let name = PathBuf::from(input.name());
         let read = match input {
@@ -35,14 +35,16 @@ pub fn method(
             Input::Sample => picture::decode(sample::PNG, linearize),
             Input::Failed { error, .. } => Err(error),
         };
-        stills.push(read.map_err(|source| Error::InFile { path: name, source: Box::new(source) })?.luma);
+        match read {
+            Ok(still) => stills.push(still.luma),
+            Err(source) => return Err(Error::InFile { path: name, source: Box::new(source) }),
+        }
+        names.push(name);
     }
     let mut views = Vec::with_capacity(stills.len());
-    for still in &stills {
-        views.push(match roi {
-            Some(region) => region.of(still.view())?,
-            None => still.view(),
-        });
+    for (name, still) in names.into_iter().zip(&stills) {
+        let view = roi.map_or(Ok(still.view()), |region| region.of(still.view()));
+        views.push(view.map_err(|source| Error::InFile { path: name, source: Box::new(source.into()) })?);
     }
     let mut estimator = method.build(&views, settings)?;
     if let (Some(region), Some(still)) = (roi, stills.first()) {

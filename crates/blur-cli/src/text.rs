@@ -6,8 +6,8 @@ use blur_core::motion::COVERAGE_K;
 
 use crate::record::{ExposureSource, MetricAcceleration, NoSpeed, Record};
 
-/// A record as two lines: the measurement, and how it came about; a third for the acceleration if there is one. After `±` stands one standard uncertainty or, where
-/// `(k = 2)` follows, the expanded uncertainty.
+/// A record as two lines: the measurement, and how it came about; more for direction and acceleration if there are any.
+/// After `±` stands one standard uncertainty or, where `(k = 2)` follows, the expanded uncertainty.
 pub fn from_record(record: &Record) -> String {
     let angle = with_uncertainty(record.angle_deg, record.angle_std_deg, 1);
     let length = with_uncertainty(record.length_px, record.length_std_px, 1);
@@ -66,9 +66,9 @@ pub fn from_record(record: &Record) -> String {
                 let _ = write!(text, "; acceleration {value} m/s2 (k = {COVERAGE_K})");
             }
         } else {
-            let _ = write!(text, "\n    acceleration not detected, below the ratio {limit}");
+            let _ = write!(text, "\n    acceleration below detection limit: ratio under {limit}");
             if let Some(MetricAcceleration { limit_m_s2, .. }) = found.metric {
-                let _ = write!(text, " or {limit_m_s2:.*} m/s2", decimals_of(limit_m_s2, 2));
+                let _ = write!(text, ", {limit_m_s2:.*} m/s2", decimals_of(limit_m_s2, 2));
             }
         }
     }
@@ -191,12 +191,12 @@ mod tests {
         found.detected = false;
         record.acceleration = Some(found);
         let text = from_record(&record);
-        assert_eq!(text.lines().last(), Some("    acceleration not detected, below the ratio 0.21"));
+        assert_eq!(text.lines().last(), Some("    acceleration below detection limit: ratio under 0.21"));
         let metric = MetricAcceleration { value_m_s2: 1.234, std_m_s2: 0.05, expanded_m_s2: 0.1, limit_m_s2: 0.512 };
         found.metric = Some(metric);
         record.acceleration = Some(found);
         let text = from_record(&record);
-        assert_eq!(text.lines().last(), Some("    acceleration not detected, below the ratio 0.21 or 0.51 m/s2"));
+        assert_eq!(text.lines().last(), Some("    acceleration below detection limit: ratio under 0.21, 0.51 m/s2"));
         found.detected = true;
         record.acceleration = Some(found);
         let text = from_record(&record);

@@ -114,6 +114,25 @@ fn without_a_camera_there_is_no_physics() {
 }
 
 #[test]
+fn pictures_of_two_sizes_are_refused() {
+    let mixed = folder("evaluate-two-sizes");
+    let table = fs::read_to_string(data().join("pictures.csv")).unwrap();
+    for row in table.lines().skip(1) {
+        let image = row.split(',').next().unwrap();
+        let mut picture = image::open(data().join(image)).unwrap();
+        if row.contains(",bars,") {
+            picture = picture.crop(0, 0, 128, 128);
+        }
+        picture.save(mixed.join(image)).unwrap();
+    }
+    fs::write(mixed.join("pictures.csv"), table).unwrap();
+    let output = accel(&["evaluate", "--data", mixed.to_str().unwrap(), "--model", "linear"]);
+    assert_eq!(output.status.code(), Some(1), "{output:?}");
+    let said = stderr(&output);
+    assert!(said.lines().count() == 1 && said.contains("scene 'bars'") && said.contains("128x128"), "{said}");
+}
+
+#[test]
 fn what_cannot_be_evaluated_is_refused_in_one_line() {
     for (arguments, expected) in [
         (vec!["--folds", "1"], "folds = 1 is not allowed"),

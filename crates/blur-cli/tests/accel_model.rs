@@ -189,7 +189,7 @@ fn a_refused_picture_does_not_keep_the_others_from_being_measured() {
     let output = accel(arguments);
     assert_eq!(output.status.code(), Some(1));
     assert!(stdout(&output).starts_with(&format!("{}  acceleration ", good.display())), "{}", stdout(&output));
-    assert!(stdout(&output).ends_with(" m/s²\n") && stdout(&output).contains(" ± "), "{}", stdout(&output));
+    assert!(stdout(&output).ends_with(" m/s2 (k = 2)\n") && stdout(&output).contains(" ± "), "{}", stdout(&output));
 }
 
 #[test]

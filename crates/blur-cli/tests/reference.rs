@@ -135,3 +135,14 @@ fn a_picture_of_another_size_fails_alone() {
     assert!(objects[0]["error"].as_str().unwrap().contains("120x100"), "{objects:?}");
     assert_eq!(objects[1]["status"], "ok");
 }
+
+#[test]
+fn lengths_beyond_the_picture_are_not_looked_for() {
+    let (picture, stills) = pictures("reference-range");
+    for range in ["4,1e300", "4,1e17", "4,1e6"] {
+        let arguments = ["--range", range, picture.to_str().unwrap(), "--reference", stills.to_str().unwrap()];
+        let (status, records) = run_json(arguments);
+        assert_eq!(status, 0, "{range}");
+        assert!((number(&records[0], "length_px") - LENGTH_PX).abs() < 0.5, "{range}: {}", records[0]);
+    }
+}

@@ -94,7 +94,7 @@ fn an_acceleration_is_told_from_a_uniform_motion() {
     assert_eq!(status, 0);
     let fields = ["accel_ratio", "accel_ratio_std", "accel_ratio_limit"];
     let [ratio, std, limit] = fields.map(|field| number(&records[0], field));
-    assert!(ratio > limit && std < 0.1, "{}", records[0]);
+    assert!(ratio > limit && std < 0.1 && records[0]["accel_detected"] == true, "{}", records[0]);
     // Four standard deviations: one normal error in 16000 is larger.
     assert!((ratio - 0.7).abs() < 4.0 * std, "{}", records[0]);
     let output = run(["--accel".as_ref(), path.as_os_str()]);
@@ -122,8 +122,9 @@ fn an_acceleration_is_told_from_a_uniform_motion() {
     let (_, records) = run_json(["--accel"]);
     let [ratio, std, limit] = fields.map(|field| number(&records[0], field));
     assert!(ratio <= limit && std < 0.2 && limit < 0.2, "{}", records[0]);
+    assert_eq!(records[0]["accel_detected"], false);
     let output = run(["--accel"]);
-    assert!(stdout(&output).contains("\n    acceleration not detected, below the ratio 0."), "{output:?}");
+    assert!(stdout(&output).contains("\n    acceleration below detection limit: ratio under 0."), "{output:?}");
     assert!(!stdout(&run(["--method", "whittle"])).contains("acceleration"));
 }
 

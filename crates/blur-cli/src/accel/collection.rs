@@ -16,7 +16,7 @@
 //! | `image` | path of the picture, seen from the folder; each only once |
 //! | `kind` | `still`: a sharp background, taken at rest; `blurred`: taken during the motion |
 //! | `scene` | what is seen, any name: a blurred picture is compared with the stills of the same scene, at least one |
-//! | `accel_m_s2` | acceleration in m/s²; not read for stills |
+//! | `accel_m_s2` | acceleration in m/s², positive where the motion speeds up; not read for stills |
 //! | `length_px` | length of the blur in pixels, if known |
 //! | `accel_ratio` | acceleration ratio `r` of the blur, -1 to 1, if known |
 //! | `exposure_s` | exposure in seconds, if known |

@@ -158,8 +158,10 @@ fn physical(
     let std = column(|point| point.std_m_s2.unwrap_or(f64::NAN));
     let metrics = Metrics::of(values.view(), truths.view()).ok();
     let covered = coverage(values.view(), std.view(), truths.view(), COVERAGE_K).ok();
-    // Only with an answer for every picture the two can be compared.
-    let comparison = match metrics.filter(|_| points.len() == study.len()) {
+    // Only with an answer for every picture, sign and all, the two can be compared.
+    let alike =
+        points.len() == study.len() && (kind != Kind::Blind || study.targets.iter().all(|&target| target >= 0.0));
+    let comparison = match metrics.filter(|_| alike) {
         Some(metrics) => {
             let own = Validation { predictions: values, std: None, metrics, training_s: 0.0, predictions_per_s: 0.0 };
             Some(Comparison::of(&own, baseline, truths.view(), folds)?)
@@ -173,9 +175,10 @@ fn physical(
 impl Line {
     /// Share of the answers of `reference` with the sign of the truth: the others state none, or have only seen one.
     pub fn right_sign(&self) -> Option<f64> {
-        (self.kind == Kind::Reference && !self.points.is_empty()).then(|| {
-            let right = self.points.iter().filter(|point| point.answer_m_s2 * point.truth_m_s2 > 0.0);
-            right.count() as f64 / self.points.len() as f64
+        let signed = || self.points.iter().filter(|point| point.truth_m_s2 != 0.0);
+        (self.kind == Kind::Reference && signed().next().is_some()).then(|| {
+            let right = signed().filter(|point| point.answer_m_s2 * point.truth_m_s2 > 0.0);
+            right.count() as f64 / signed().count() as f64
         })
     }
 

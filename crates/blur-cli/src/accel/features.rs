@@ -74,6 +74,16 @@ pub(super) fn prototype<P: AsRef<Path>>(
     features: &Features,
     stills: &[P],
 ) -> Result<blur_accel::homomorphic::Prototype> {
+    let pictures = read_stills(features, stills)?;
+    let views: Vec<ArrayView2<'_, f32>> = pictures.iter().map(Array2::view).collect();
+    Ok(features.prototype(&views)?)
+}
+
+/// The pictures in the files of a scene's stills, which must all be of the size that the features expect.
+///
+/// # Errors
+/// [`Error::InFile`] for a still that is refused.
+pub(super) fn read_stills<P: AsRef<Path>>(features: &Features, stills: &[P]) -> Result<Vec<Array2<f32>>> {
     let mut pictures = Vec::with_capacity(stills.len());
     for path in stills.iter().map(AsRef::as_ref) {
         let checked = read_luma(path).and_then(|luma| {
@@ -88,8 +98,7 @@ pub(super) fn prototype<P: AsRef<Path>>(
         });
         pictures.push(checked.map_err(|error| in_file(path, error))?);
     }
-    let views: Vec<ArrayView2<'_, f32>> = pictures.iter().map(Array2::view).collect();
-    Ok(features.prototype(&views)?)
+    Ok(pictures)
 }
 
 pub(super) fn read_luma(path: &Path) -> Result<Array2<f32>> {
@@ -101,7 +110,7 @@ pub(super) fn in_file(path: &Path, error: Error) -> Error {
 }
 
 /// Rows and columns of the first blurred picture.
-fn first_size(collection: &Collection) -> Result<Option<(usize, usize)>> {
+pub(super) fn first_size(collection: &Collection) -> Result<Option<(usize, usize)>> {
     let Some(Blurred { path, .. }) = collection.blurred.first() else { return Ok(None) };
     let luma = read_luma(path).map_err(|error| in_file(path, error))?;
     Ok(Some(luma.dim()))

@@ -4,6 +4,7 @@ use std::fmt::Display;
 use std::fs;
 use std::path::Path;
 
+use blur_core::motion::COVERAGE_K;
 use plotters::coord::Shift;
 use plotters::prelude::*;
 
@@ -22,14 +23,16 @@ const TRUE_AXIS: &str = "true acceleration, m/s2";
 /// sorted by truth). Bars are two standard uncertainties.
 ///
 /// # Errors
-/// [`Error::Write`] when a file cannot be written, [`Error::Plot`] when it cannot be drawn.
+/// [`Error::InFile`] when a file cannot be written, [`Error::Plot`] when it cannot be drawn.
 pub fn write_all(lines: &[Line], folder: &Path) -> Result<()> {
-    fs::create_dir_all(folder).map_err(Error::Write)?;
+    let in_file = |path: &Path, error| Error::InFile { path: path.to_owned(), source: Box::new(Error::Write(error)) };
+    fs::create_dir_all(folder).map_err(|error| in_file(folder, error))?;
     for line in lines.iter().filter(|line| !line.points.is_empty()) {
         for (name, drawn) in
             [("predicted", predicted(line)?), ("residuals", residuals(line)?), ("response", response(line)?)]
         {
-            fs::write(folder.join(format!("{}-{name}.svg", line.name)), drawn).map_err(Error::Write)?;
+            let path = folder.join(format!("{}-{name}.svg", line.name));
+            fs::write(&path, drawn).map_err(|error| in_file(&path, error))?;
         }
     }
     Ok(())
@@ -86,11 +89,11 @@ struct Axes {
 }
 
 fn low(point: &Point) -> f64 {
-    point.answer_m_s2 - 2.0 * point.std_m_s2.unwrap_or(0.0)
+    point.answer_m_s2 - COVERAGE_K * point.std_m_s2.unwrap_or(0.0)
 }
 
 fn high(point: &Point) -> f64 {
-    point.answer_m_s2 + 2.0 * point.std_m_s2.unwrap_or(0.0)
+    point.answer_m_s2 + COVERAGE_K * point.std_m_s2.unwrap_or(0.0)
 }
 
 /// The range of finite values, a twentieth wider on either side.

@@ -14,9 +14,9 @@ use metrology::Measurement;
 use ndarray::{Array1, Array2, ArrayView2};
 use rayon::prelude::*;
 
-use super::collection::Collection;
-use super::features::{in_file, read_luma};
-use crate::Result;
+use super::collection::{Collection, Scene};
+use super::features::{first_size, in_file, read_luma, read_stills};
+use crate::{Error, Result};
 
 /// Pictures of known acceleration and what each method makes of them, in the order of the pictures.
 #[derive(Debug, Clone, PartialEq)]
@@ -31,7 +31,8 @@ pub struct Study {
     pub lengths_px: Array1<f64>,
     /// From the picture alone; `None` without exposure and scale, or when the method does not call its answer `ok`.
     pub blind: Vec<Option<Physical>>,
-    /// From the picture and the stills of its scene; `None` as for `blind`.
+    /// From the picture and the stills of its scene, positive for a motion that speeds up; `None` as for `blind`, and
+    /// when the direction is not known.
     pub reference: Vec<Option<Physical>>,
 }
 
@@ -64,6 +65,10 @@ impl Camera {
         else {
             return Ok(None);
         };
+        // A sign along an axis does not say whether the motion sped up.
+        if acceleration.signed.is_some() && found.direction_deg.is_none() {
+            return Ok(None);
+        }
         let (ratio, correlation) = match acceleration.signed {
             Some(signed) => (signed.ratio, signed.length_correlation),
             None => (acceleration.ratio, acceleration.length_correlation),
@@ -95,10 +100,8 @@ struct Found {
 }
 
 impl Bench {
-    fn new(variant: Variant, stills: &[Array2<f32>]) -> Result<Self> {
+    fn new(features: &Features, stills: &[Array2<f32>]) -> Result<Self> {
         let views: Vec<ArrayView2<'_, f32>> = stills.iter().map(Array2::view).collect();
-        let (height_px, width_px) = views.first().map_or((0, 0), ArrayView2::dim);
-        let features = Features { variant, height_px, width_px };
         let mut settings = Settings::default();
         settings.acceleration = true;
         Ok(Self {
@@ -122,10 +125,12 @@ impl Study {
     /// Measures the pictures of a [folder](super::collection), all of one size, on the threads of the current pool.
     ///
     /// # Errors
-    /// Those of [`Collection::read`], and [`Error::InFile`](crate::Error::InFile) with the path of a picture that is
-    /// refused.
+    /// Those of [`Collection::read`], and [`Error::InFile`] with the path of a picture that is refused,
+    /// [`Error::InScene`] for stills that do not go together, [`Error::NoBlurred`] when there is nothing to measure.
     pub fn read(folder: &Path, variant: Variant) -> Result<Self> {
         let collection = Collection::read(folder)?;
+        let Some((height_px, width_px)) = first_size(&collection)? else { return Err(Error::NoBlurred) };
+        let features = Features { variant, height_px, width_px };
         let per_scene: Vec<Vec<(usize, f64, Found)>> = (0..collection.scenes.len())
             .into_par_iter()
             .map(|scene| {
@@ -134,12 +139,10 @@ impl Study {
                 if of_scene().next().is_none() {
                     return Ok(Vec::new());
                 }
-                let stills = &collection.scenes[scene].stills;
-                let lumas = stills
-                    .iter()
-                    .map(|path| read_luma(path).map_err(|error| in_file(path, error)))
-                    .collect::<Result<Vec<_>>>()?;
-                let mut bench = Bench::new(variant, &lumas).map_err(|error| in_file(&stills[0], error))?;
+                let Scene { name, stills } = &collection.scenes[scene];
+                let mut bench = read_stills(&features, stills)
+                    .and_then(|lumas| Bench::new(&features, &lumas))
+                    .map_err(|error| Error::InScene { scene: name.clone(), source: Box::new(error) })?;
                 of_scene()
                     .map(|(row, blurred)| {
                         let found = Camera::of(blurred.scale_m_per_px, blurred.exposure_s)
@@ -156,11 +159,12 @@ impl Study {
     /// Takes one picture in `step` on a rig and measures it, on the threads of the current pool.
     ///
     /// # Errors
-    /// [`Error::Rig`](crate::Error::Rig) for what the rig refuses.
+    /// [`Error::Rig`] for what the rig refuses.
     pub fn simulate(rig: &Rig, design: Design, seed: u64, step: usize) -> Result<Self> {
         let shots: Vec<_> = rig.shots(design, seed)?.into_iter().step_by(step.max(1)).collect();
         let studio = Studio::new(rig)?;
         let camera = Camera::of(Some(rig.scale_m_per_px), Some(rig.exposure_s))?;
+        let features = Features { variant: Variant::default(), height_px: rig.side_px, width_px: rig.side_px };
         let per_scene: Vec<Vec<(usize, f64, Found)>> = (0..POSTERS.len())
             .into_par_iter()
             .map(|poster| {
@@ -168,7 +172,7 @@ impl Study {
                 let stills = (0..STILLS)
                     .map(|index| Ok(f32_from_u8(studio.background(&rig.still(poster, index, seed)?)?.view())))
                     .collect::<Result<Vec<_>>>()?;
-                let mut bench = Bench::new(Variant::default(), &stills)?;
+                let mut bench = Bench::new(&features, &stills)?;
                 let of_poster = shots.iter().enumerate().filter(|(_, shot)| shot.poster == poster);
                 of_poster
                     .map(|(row, shot)| {

@@ -8,6 +8,7 @@ use blur_accel::model::Prediction;
 use blur_cli::accel::predict::{self, Predictor};
 use blur_cli::input::{self, Input};
 use blur_cli::{Error, Result, record, text};
+use blur_core::motion::COVERAGE_K;
 
 const GUIDE: &str = "\
 The backgrounds show the scene of the pictures, taken by the camera at rest. Pictures and backgrounds have the size of
@@ -16,6 +17,8 @@ training is refused, since no number for it could be trusted. Limit and uncertai
 train on pictures of the scenes that are to be measured.
 
 Everything after --backgrounds is a background up to the next option or '--', so it comes last or before '--'.
+
+After ± stands the expanded uncertainty (k = 2), where the regression has one.
 
 With --json one object a line: image, method, accel_m_s2, accel_std_m_s2 (where the regression has one), distance (from
 the pictures of the training, at most 1); or image and error.
@@ -78,7 +81,12 @@ fn write(json: bool, image: &str, method: &str, outcome: std::result::Result<&Pr
     match outcome {
         Ok(prediction) if json => predict::write_json(&mut out, image, method, prediction)?,
         Ok(Prediction { accel_m_s2, std_m_s2, .. }) => {
-            writeln!(out, "{image}  acceleration {} m/s²", text::with_uncertainty(*accel_m_s2, *std_m_s2, 3))?;
+            let expanded = std_m_s2.map(|std| COVERAGE_K * std);
+            write!(out, "{image}  acceleration {} m/s2", text::with_uncertainty(*accel_m_s2, expanded, 3))?;
+            if expanded.is_some() {
+                write!(out, " (k = {COVERAGE_K})")?;
+            }
+            writeln!(out)?;
         }
         Err(error) if json => record::write_failure(&mut out, image, error)?,
         Err(_) => {}

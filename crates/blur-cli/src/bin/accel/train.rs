@@ -59,7 +59,7 @@ pub(crate) fn run(args: &Args) -> Result<()> {
     let metrics = &provenance.validation.metrics;
     writeln!(
         io::stdout(),
-        "{}: {} trained on {} pictures; on those held out of {} parts RMSE {:.4} m/s², MAE {:.4} m/s², R² {:.3}",
+        "{}: {} trained on {} pictures; on those held out of {} parts RMSE {:.4} m/s2, MAE {:.4} m/s2, R2 {:.3}",
         args.output.display(),
         provenance.preset,
         provenance.pictures,

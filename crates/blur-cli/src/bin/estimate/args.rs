@@ -239,11 +239,10 @@ Pictures:
 JSON fields (--json), absent when not computed:
   image width height method linearized angle_deg angle_std_deg direction_deg
   length_px length_std_px correlation status reason accel_ratio
-  accel_ratio_std accel_ratio_limit accel_m_s2 accel_std_m_s2
-  accel_expanded_m_s2 accel_limit_m_s2 gain_per_bin rival_share
-  incoherent_share misfit
-  band_cycles_per_px exposure_s exposure_source speed_m_s speed_std_m_s
-  speed_expanded_m_s coverage_k time_ms
+  accel_ratio_std accel_ratio_limit accel_detected accel_m_s2
+  accel_std_m_s2 accel_expanded_m_s2 accel_limit_m_s2 gain_per_bin
+  rival_share incoherent_share misfit band_cycles_per_px exposure_s
+  exposure_source speed_m_s speed_std_m_s speed_expanded_m_s coverage_k time_ms
   accel_ratio_limit and accel_limit_m_s2 are the least ratio and acceleration
   that count as detected.
   gain_per_bin is the gain in log-likelihood over no blur for each bin of

@@ -20,12 +20,13 @@ pub(crate) struct Args {
     #[arg(
         long,
         value_name = "DIR",
-        help = "Data folder with kodak and skimage, or any folder of sharp pictures [default: the folder named by \
+        help = "Data folder with kodak and skimage, or any folder of sharp pictures; not for 6.2, whose pictures are made [default: the folder named by \
                 BLUR_DATA, else ../shared/data]"
     )]
     images: Option<PathBuf>,
 
-    /// Method that finds angle and length together, or a pair ANGLE+LENGTH [default: that of estimate]
+    /// Method that finds angle and length together, or a pair ANGLE+LENGTH; not for 6.2, which compares its own [default:
+    /// that of estimate]
     #[arg(long, value_name = "NAME", value_parser = method)]
     method: Option<String>,
 
