@@ -1,7 +1,7 @@
 //! The one error type of the crate.
 
 use std::io;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use thiserror::Error;
 
@@ -297,6 +297,12 @@ pub enum Error {
 }
 
 impl Error {
+    /// The error with the file or folder that it concerns.
+    #[must_use]
+    pub fn in_file(self, path: &Path) -> Self {
+        Self::InFile { path: path.to_owned(), source: Box::new(self) }
+    }
+
     /// The message on a single line, for logs and JSON; decoders put line breaks into theirs.
     pub fn one_line(&self) -> String {
         self.to_string().split_whitespace().collect::<Vec<_>>().join(" ")

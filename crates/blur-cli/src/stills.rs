@@ -37,14 +37,14 @@ pub fn method(
         };
         match read {
             Ok(still) => stills.push(still.luma),
-            Err(source) => return Err(Error::InFile { path: name, source: Box::new(source) }),
+            Err(error) => return Err(error.in_file(&name)),
         }
         names.push(name);
     }
     let mut views = Vec::with_capacity(stills.len());
     for (name, still) in names.into_iter().zip(&stills) {
         let view = roi.map_or(Ok(still.view()), |region| region.of(still.view()));
-        views.push(view.map_err(|source| Error::InFile { path: name, source: Box::new(source.into()) })?);
+        views.push(view.map_err(|error| Error::from(error).in_file(&name))?);
     }
     let mut estimator = method.build(&views, settings)?;
     if let (Some(region), Some(still)) = (roi, stills.first()) {

@@ -90,7 +90,7 @@ impl Collection {
     pub fn read(folder: &Path) -> Result<Self> {
         let path = folder.join(FILE);
         let table = fs::read(&path).map_err(Error::Read).and_then(|bytes| Self::parse(&bytes, folder));
-        table.map_err(|error| Error::InFile { path, source: Box::new(error) })
+        table.map_err(|error| error.in_file(&path))
     }
 
     /// Reads the content of a table whose pictures are in `folder`.

@@ -51,7 +51,7 @@ impl TrainingSet {
             for (row, Blurred { path, .. }) in blurred {
                 let extracted = read_luma(path)
                     .and_then(|luma| Ok(extractor.extract(luma.view(), &scene)?))
-                    .map_err(|error| in_file(path, error))?;
+                    .map_err(|error| error.in_file(path))?;
                 inputs.row_mut(row).iter_mut().zip(extracted).for_each(|(to, &from)| *to = from);
             }
         }
@@ -96,7 +96,7 @@ pub(super) fn read_stills<P: AsRef<Path>>(features: &Features, stills: &[P]) -> 
                 Err(blur_accel::Error::PictureSize { width, height, expected_width, expected_height }.into())
             }
         });
-        pictures.push(checked.map_err(|error| in_file(path, error))?);
+        pictures.push(checked.map_err(|error| error.in_file(path))?);
     }
     Ok(pictures)
 }
@@ -105,14 +105,10 @@ pub(super) fn read_luma(path: &Path) -> Result<Array2<f32>> {
     Ok(picture::read(path, Linearize::Auto)?.luma)
 }
 
-pub(super) fn in_file(path: &Path, error: Error) -> Error {
-    Error::InFile { path: path.to_owned(), source: Box::new(error) }
-}
-
 /// Rows and columns of the first blurred picture.
 pub(super) fn first_size(collection: &Collection) -> Result<Option<(usize, usize)>> {
     let Some(Blurred { path, .. }) = collection.blurred.first() else { return Ok(None) };
-    let luma = read_luma(path).map_err(|error| in_file(path, error))?;
+    let luma = read_luma(path).map_err(|error| error.in_file(path))?;
     Ok(Some(luma.dim()))
 }
 
@@ -129,7 +125,7 @@ fn checksum(folder: &Path, collection: &Collection) -> Result<String> {
     let blurred = collection.blurred.iter().map(|Blurred { path, .. }| path.clone());
     let mut listing = String::new();
     for path in [folder.join(collection::FILE)].into_iter().chain(stills).chain(blurred) {
-        let bytes = fs::read(&path).map_err(|error| in_file(&path, Error::Read(error)))?;
+        let bytes = fs::read(&path).map_err(|error| Error::Read(error).in_file(&path))?;
         let name = path.strip_prefix(folder).unwrap_or(&path);
         // Writing to a string does not fail.
         let _ = writeln!(listing, "{}  {}", sha256(&bytes), name.display());

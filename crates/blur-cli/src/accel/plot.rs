@@ -25,14 +25,13 @@ const TRUE_AXIS: &str = "true acceleration, m/s2";
 /// # Errors
 /// [`Error::InFile`] when a file cannot be written, [`Error::Plot`] when it cannot be drawn.
 pub fn write_all(lines: &[Line], folder: &Path) -> Result<()> {
-    let in_file = |path: &Path, error| Error::InFile { path: path.to_owned(), source: Box::new(Error::Write(error)) };
-    fs::create_dir_all(folder).map_err(|error| in_file(folder, error))?;
+    fs::create_dir_all(folder).map_err(|error| Error::Write(error).in_file(folder))?;
     for line in lines.iter().filter(|line| !line.points.is_empty()) {
         for (name, drawn) in
             [("predicted", predicted(line)?), ("residuals", residuals(line)?), ("response", response(line)?)]
         {
             let path = folder.join(format!("{}-{name}.svg", line.name));
-            fs::write(&path, drawn).map_err(|error| in_file(&path, error))?;
+            fs::write(&path, drawn).map_err(|error| Error::Write(error).in_file(&path))?;
         }
     }
     Ok(())

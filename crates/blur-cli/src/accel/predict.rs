@@ -30,7 +30,7 @@ impl Predictor {
         for input in input::expand(backgrounds) {
             match input {
                 Input::File(path) => stills.push(path),
-                Input::Failed { argument, error } => return Err(features::in_file(&argument, error)),
+                Input::Failed { argument, error } => return Err(error.in_file(&argument)),
                 Input::Sample => {}
             }
         }
@@ -61,7 +61,7 @@ impl Predictor {
 /// [`Error::InFile`] when it cannot be read or is no model.
 pub fn read(path: &Path) -> Result<Model> {
     let model = fs::read(path).map_err(Error::Read).and_then(|text| Ok(Model::from_json(&text)?));
-    model.map_err(|error| features::in_file(path, error))
+    model.map_err(|error| error.in_file(path))
 }
 
 #[derive(Serialize)]

@@ -52,7 +52,7 @@ pub struct Written {
 /// what the rig refuses.
 pub fn write(rig: &Rig, design: Design, seed: u64, folder: &Path) -> Result<Written> {
     let takes = takes(rig, design, seed)?;
-    claim(folder).map_err(|error| Error::InFile { path: folder.to_owned(), source: Box::new(error) })?;
+    claim(folder).map_err(|error| error.in_file(folder))?;
     let studio = Studio::new(rig)?;
     takes.par_iter().try_for_each_init(
         || studio.clone(),
@@ -155,5 +155,5 @@ fn png(picture: &Array2<u8>) -> Result<Vec<u8>> {
 
 fn write_file(folder: &Path, name: &str, content: &[u8]) -> Result<()> {
     let path = folder.join(name);
-    fs::write(&path, content).map_err(|error| Error::InFile { path, source: Box::new(Error::Write(error)) })
+    fs::write(&path, content).map_err(|error| Error::Write(error).in_file(&path))
 }

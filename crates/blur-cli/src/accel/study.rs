@@ -15,7 +15,7 @@ use ndarray::{Array1, Array2, ArrayView2};
 use rayon::prelude::*;
 
 use super::collection::{Collection, Scene};
-use super::features::{first_size, in_file, read_luma, read_stills};
+use super::features::{first_size, read_luma, read_stills};
 use crate::{Error, Result};
 
 /// Pictures of known acceleration and what each method makes of them, in the order of the pictures.
@@ -147,7 +147,7 @@ impl Study {
                     .map(|(row, blurred)| {
                         let found = Camera::of(blurred.scale_m_per_px, blurred.exposure_s)
                             .and_then(|camera| bench.measure(read_luma(&blurred.path)?.view(), camera))
-                            .map_err(|error| in_file(&blurred.path, error))?;
+                            .map_err(|error| error.in_file(&blurred.path))?;
                         Ok((row, blurred.accel_m_s2, found))
                     })
                     .collect()

@@ -48,5 +48,5 @@ pub fn train(folder: &Path, options: &Options) -> Result<Model> {
 /// [`Error::InFile`] when it cannot be written.
 pub fn write(model: &Model, path: &Path) -> Result<()> {
     let written = model.to_json().map_err(Error::from).and_then(|text| fs::write(path, text).map_err(Error::Write));
-    written.map_err(|error| Error::InFile { path: path.to_owned(), source: Box::new(error) })
+    written.map_err(|error| error.in_file(path))
 }

@@ -4,9 +4,9 @@ use std::path::{Path, PathBuf};
 
 use ndarray::Array2;
 
+use crate::Result;
 use crate::input::{self, Input};
 use crate::picture::{self, Linearize};
-use crate::{Error, Result};
 
 /// The variable that names the data folder.
 pub const FOLDER_VARIABLE: &str = "BLUR_DATA";
@@ -47,7 +47,7 @@ pub fn sharp_pictures(folder: &Path) -> Result<Vec<Sharp>> {
     for input in input::expand(&folders) {
         match input {
             Input::File(path) => pictures.push(sharp(&path)?),
-            Input::Failed { argument, error } => return Err(in_file(&argument, error)),
+            Input::Failed { argument, error } => return Err(error.in_file(&argument)),
             Input::Sample => {}
         }
     }
@@ -55,12 +55,7 @@ pub fn sharp_pictures(folder: &Path) -> Result<Vec<Sharp>> {
 }
 
 fn sharp(path: &Path) -> Result<Sharp> {
-    let picture = picture::read(path, Linearize::Off).map_err(|error| in_file(path, error))?;
+    let picture = picture::read(path, Linearize::Off).map_err(|error| error.in_file(path))?;
     let name = path.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
     Ok(Sharp { name, luma: picture.luma.mapv(f64::from) })
-}
-
-/// `error` with the path that it concerns.
-pub(super) fn in_file(path: &Path, error: Error) -> Error {
-    Error::InFile { path: path.to_owned(), source: Box::new(error) }
 }
