@@ -85,6 +85,11 @@ pub const LENGTH: &[Method<Box<dyn LengthEstimator>>] = &[
         summary: "dark lines of the Radon transform at the known angle",
         build: |settings| Box::new(length::DftRadon::new(settings)),
     },
+    Method {
+        name: "whittle",
+        summary: "maximum likelihood of the whole spectrum along the known angle",
+        build: |settings| Box::new(length::Whittle::new(settings)),
+    },
 ];
 
 /// Methods that fit angle and length together. The first is the default of programs.
@@ -133,6 +138,9 @@ pub const REFERENCE: &[ReferenceMethod] = &[ReferenceMethod {
 
 /// Joint methods that fit the likelihood and so can look for an [`Acceleration`](super::Acceleration) too.
 pub const ACCELERATION: &[&str] = &["whittle"];
+
+/// Joint methods that can weigh the pixels of a region, as [`joint::Whittle::estimate_weighted`] does.
+pub const WEIGHTED: &[&str] = &["whittle"];
 
 /// The angle method called `name`.
 pub fn angle(name: &str) -> Result<&'static Method<Box<dyn AngleEstimator>>> {

@@ -13,6 +13,11 @@ pub fn check(image: ArrayView2<'_, f32>) -> Result<()> {
     if height < MIN_SIDE || width < MIN_SIDE {
         return Err(Error::TooSmall { width, height, min: MIN_SIDE });
     }
+    check_pixels(image)
+}
+
+/// Checks that a picture is finite and not constant, whatever its size; a picture without pixels is constant.
+pub fn check_pixels(image: ArrayView2<'_, f32>) -> Result<()> {
     // Without an early exit, so that rows are looked at many pixels at a time.
     let bad_row = |row: ArrayView1<'_, f32>| match row.as_slice() {
         Some(row) => row.iter().fold(false, |bad, pixel| bad | !pixel.is_finite()),
@@ -25,7 +30,7 @@ pub fn check(image: ArrayView2<'_, f32>) -> Result<()> {
             return Err(Error::NotFinite { row, column, value });
         }
     }
-    let first = image[[0, 0]];
+    let first = image.first().copied().unwrap_or_default();
     if image.iter().all(|&p| p == first) {
         return Err(Error::Constant { value: first });
     }

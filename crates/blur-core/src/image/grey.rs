@@ -10,6 +10,11 @@ pub fn linear_from_srgb(code: f32) -> f32 {
     if code <= 0.040_45 { code / 12.92 } else { ((code + 0.055) / 1.055).powf(2.4) }
 }
 
+/// sRGB code value in `[0, 1]` of linear light in `[0, 1]` (IEC 61966-2-1): undoes [`linear_from_srgb`].
+pub fn srgb_from_linear(light: f32) -> f32 {
+    if light <= 0.003_130_8 { 12.92 * light } else { 1.055 * light.powf(1.0 / 2.4) - 0.055 }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -28,5 +33,13 @@ mod tests {
         assert!((linear_from_srgb(188.0 / 255.0) - 0.502_886).abs() < 1e-5);
         let (below, above) = (linear_from_srgb(0.040_449), linear_from_srgb(0.040_451));
         assert!((above - below).abs() < 1e-5);
+    }
+
+    #[test]
+    fn srgb_codes_come_back_from_their_light() {
+        for code in 0..=255 {
+            let code = code as f32 / 255.0;
+            assert!((srgb_from_linear(linear_from_srgb(code)) - code).abs() < 1e-5, "{code}");
+        }
     }
 }

@@ -6,8 +6,8 @@ mod grey;
 mod rotate;
 mod window;
 
-pub use check::{MIN_SIDE, check};
+pub use check::{MIN_SIDE, check, check_pixels};
 pub use crop::{Region, centre_square};
-pub use grey::{bt601_luma, linear_from_srgb};
+pub use grey::{bt601_luma, linear_from_srgb, srgb_from_linear};
 pub use rotate::Rotation;
 pub use window::{Taper, Window};

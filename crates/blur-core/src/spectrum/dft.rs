@@ -173,3 +173,18 @@ impl Columns {
         }
     }
 }
+
+/// The least product of 2, 3 and 5 that is even and at least `n`.
+pub(crate) fn fast_size(n: usize) -> usize {
+    let is_fast = |size: &usize| {
+        let mut rest = *size;
+        for factor in [2, 3, 5] {
+            while rest.is_multiple_of(factor) {
+                rest /= factor;
+            }
+        }
+        rest == 1 && size.is_multiple_of(2)
+    };
+    // The next power of two is one.
+    (n..=2 * n.next_power_of_two()).find(is_fast).unwrap_or(n)
+}

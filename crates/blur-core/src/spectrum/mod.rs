@@ -12,13 +12,16 @@ mod level;
 mod log;
 mod noise;
 mod phase;
+mod power;
 
 pub use bins::SpectrumBins;
 pub use cepstrum::{Cepstrum, LineCepstrum, Trough};
 pub use collapse::Collapsed;
 pub use dct::Dct2;
+pub(crate) use dft::fast_size;
 pub use dft::{Dft2, InverseDft2};
 pub use level::Levelled;
 pub(crate) use log::{exp, ln};
 pub use noise::{NoiseFloor, Powers};
 pub use phase::PhaseOnly;
+pub use power::{PowerBin, PowerSpectrum};

@@ -7,7 +7,13 @@ mod whittle;
 
 pub use phase_autocorrelation::PhaseAutocorrelation;
 pub use reference::Reference;
-pub use whittle::{Stage, Whittle};
+pub(super) use whittle::Along as WhittleAlong;
+pub use whittle::{Diagnosis, Stage, Surface, Whittle};
+
+/// The spectra of sharp scenes, for others who model pictures.
+pub(crate) mod scene {
+    pub(crate) use super::whittle::{FALL, MEAN, STD, TERMS, terms};
+}
 
 use super::{AxialAngle, Doubt, LengthRange, MotionBlur, Status};
 

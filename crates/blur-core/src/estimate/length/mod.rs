@@ -6,17 +6,19 @@ mod dct_pseudo_cepstrum;
 mod dft_cepstrum;
 mod dft_radon;
 mod oriented;
+mod whittle;
 
 pub use autocorrelation::Autocorrelation;
 pub use dct_pseudo_cepstrum::DctPseudoCepstrum;
 pub use dft_cepstrum::DftCepstrum;
 pub use dft_radon::DftRadon;
+pub use whittle::Whittle;
 
 use super::{AxialAngle, Doubt, LengthEstimate, LengthRange, Settings, Status};
 use crate::spectrum::Trough;
 
 /// The lengths to search along `angle` in a picture: its extent is the longest straight line of that direction in it.
-fn range_along(settings: &Settings, (rows, columns): (usize, usize), angle: AxialAngle) -> LengthRange {
+pub(super) fn range_along(settings: &Settings, (rows, columns): (usize, usize), angle: AxialAngle) -> LengthRange {
     let (sin, cos) = angle.rad().sin_cos();
     settings.lengths_in((columns as f64 / cos.abs()).min(rows as f64 / sin.abs()))
 }
@@ -40,6 +42,6 @@ fn from_trough(trough: Option<Trough>, range: LengthRange, needed: f64) -> Lengt
 }
 
 /// What a method answers when there is no pattern at all.
-fn no_length(range: LengthRange) -> LengthEstimate {
+pub(super) fn no_length(range: LengthRange) -> LengthEstimate {
     LengthEstimate { length_px: range.min_px(), std_px: None, status: Status::NoMotionBlur(Doubt::NoPattern) }
 }

@@ -6,6 +6,7 @@ use ndarray::{Array2, ArrayView2};
 use rustfft::num_complex::Complex32;
 
 use super::path::Path;
+use crate::spectrum::fast_size;
 
 /// Least number of pixels between opposite borders of the periodic continuation.
 const GAP_PX: usize = 48;
@@ -129,19 +130,4 @@ fn fade(i: usize, inner: usize, len: usize) -> (usize, usize, f32) {
 fn reflect(i: usize, inner: usize) -> usize {
     let i = i % (2 * inner);
     if i < inner { i } else { 2 * inner - 1 - i }
-}
-
-/// The least product of 2, 3 and 5 that is even and at least `n`.
-fn fast_size(n: usize) -> usize {
-    let is_fast = |size: &usize| {
-        let mut rest = *size;
-        for factor in [2, 3, 5] {
-            while rest.is_multiple_of(factor) {
-                rest /= factor;
-            }
-        }
-        rest == 1 && size.is_multiple_of(2)
-    };
-    // The next power of two is one.
-    (n..=2 * n.next_power_of_two()).find(is_fast).unwrap_or(n)
 }

@@ -2,9 +2,9 @@
 
 use nalgebra::{Cholesky, Const};
 
-use super::cells::{Cells, LANES, OCTAVES, octave_of};
-use super::likelihood::{Matrix, Rotation, Score, Vector};
-use super::periodogram::{CellSums, Periodogram};
+use super::cells::{Cells, LANES, OCTAVES, octave_of, patch_of};
+use super::likelihood::{LEAST_POWER, Matrix, Rotation, Score, Vector};
+use super::periodogram::{CellSums, FALL, Periodogram};
 use super::point::{
     ANGLE, Kernel, LEAST_ROUGHNESS, LEAST_TOLD, LENGTH, NOISE, PARAMETERS, Point, RATIO2, ROUGHNESS, ROUGHNESS_COUNTS,
     SCENE, SHARE,
@@ -46,9 +46,11 @@ pub(super) struct Maximum {
 pub(super) type Covariance = [[f64; 3]; 3];
 
 impl Fit {
-    /// For pictures whose longer side has `side` pixels.
-    pub(super) fn new(side: usize) -> Self {
-        Self { response: Response::new(side), score: Score::new(), trial: Score::new(), candidate: Point::new() }
+    /// For spectra such as those of `periodogram`.
+    pub(super) fn new(periodogram: &Periodogram) -> Self {
+        let (rows, columns) = periodogram.dim();
+        let response = Response::new(rows.max(columns), periodogram.lobe_bins());
+        Self { response, score: Score::new(), trial: Score::new(), candidate: Point::new() }
     }
 
     /// The window's lobe is that of `periodogram` over `cells` from here on, the highest frequency `most_frequency`.
@@ -107,6 +109,15 @@ impl Fit {
     /// The expected information hardly changes on the way: it is computed at the start, anew when a step falls short,
     /// and at the end.
     pub(super) fn maximise(&mut self, cells: &Cells, kernel: Kernel, point: &mut Point, effort: Effort) -> Maximum {
+        self.climb(cells, kernel, point, effort, &[])
+    }
+
+    /// As [`maximise`](Self::maximise), at the length, the angle and the acceleration that `point` has.
+    pub(super) fn profile(&mut self, cells: &Cells, kernel: Kernel, point: &mut Point, effort: Effort) -> Maximum {
+        self.climb(cells, kernel, point, effort, &[LENGTH, ANGLE, RATIO2])
+    }
+
+    fn climb(&mut self, cells: &Cells, kernel: Kernel, point: &mut Point, effort: Effort, held: &[usize]) -> Maximum {
         let Effort { steps, least_gain } = effort;
         self.tabulate(kernel, point);
         self.response.score(cells, kernel, point, true, &mut self.score);
@@ -114,10 +125,16 @@ impl Fit {
         let mut fresh = true;
         let mut reduced = self.score.reduced_information();
         for _ in 0..steps {
-            let gradient = self.score.reduced_gradient();
+            let mut gradient = self.score.reduced_gradient();
             let mut damped = reduced;
             for i in 0..PARAMETERS {
                 damped[(i, i)] *= 1.0 + damping;
+            }
+            for &i in held {
+                gradient[i] = 0.0;
+                damped.row_mut(i).fill(0.0);
+                damped.column_mut(i).fill(0.0);
+                damped[(i, i)] = 1.0;
             }
             let Some(factor) = Cholesky::new(damped) else { break };
             let step = factor.solve(&gradient);
@@ -205,7 +222,28 @@ impl Fit {
         Some(covariance)
     }
 
-    fn tabulate(&mut self, kernel: Kernel, point: &Point) {
+    /// What the model expects of a whitened power at the frequency `(u, v)` in cycles per pixel: that of the blurred
+    /// scene, and that of the noise. [`tabulate`](Self::tabulate) comes first.
+    pub(super) fn expected(&self, kernel: Kernel, point: &Point, u: f64, v: f64) -> (f64, f64) {
+        let (sin, cos) = point.angle.sin_cos();
+        let (s, square) = (u * cos - v * sin, u * u + v * v);
+        let falls = scene::falls(&point.scene);
+        let x = 0.5 * (100.0 * square).ln();
+        let fall = falls[0] - x * (falls[1] + x * falls[2]);
+        let along = if kernel == Kernel::Disk { square.sqrt() } else { s };
+        let transfer = match kernel {
+            Kernel::None => 1.0,
+            _ => f64::from(self.response.at(along as f32, (fall * along / square) as f32).power.max(LEAST_POWER)),
+        };
+        let share = if kernel == Kernel::None { 0.0 } else { point.log_share.exp() };
+        let smooth: f64 = scene::terms(u, v).iter().zip(&point.scene).map(|(term, c)| term * c).sum();
+        let scene = (smooth + point.patches[patch_of(u, v)]).exp();
+        let noise = point.log_noise.exp() * (10.0 * square.sqrt()).powf(FALL);
+        (scene * (transfer + share), noise)
+    }
+
+    /// Fills the table of the kernel's response for `point`.
+    pub(super) fn tabulate(&mut self, kernel: Kernel, point: &Point) {
         self.response.tabulate(kernel, point);
     }
 }
@@ -235,7 +273,6 @@ fn advance(point: &mut Point, step: &Vector, score: &Score) {
 
 #[cfg(test)]
 mod tests {
-    use super::super::cells::patch_of;
     use super::super::periodogram::MOST_FREQUENCY;
     use super::super::testing::Random;
     use super::*;
@@ -254,19 +291,14 @@ mod tests {
 
     impl Bench {
         fn new(rows: usize, columns: usize) -> Self {
-            let side = rows.max(columns);
-            let sums = CellSums::new(side);
-            Self {
-                periodogram: Periodogram::new(rows, columns, Window::Tukey { taper: 0.25 }),
-                cells: Cells::new(sums.capacity()),
-                fit: Fit::new(side),
-                sums,
-            }
+            let sums = CellSums::new(rows.max(columns));
+            let periodogram = Periodogram::new(rows, columns, Window::Tukey { taper: 0.25 });
+            Self { cells: Cells::new(sums.capacity()), fit: Fit::new(&periodogram), sums, periodogram }
         }
 
         fn gather(&mut self, angle: f64, noise: f64) {
             self.periodogram.gather(angle, 1, MOST_FREQUENCY, &mut self.sums);
-            self.cells.set(&self.sums, self.periodogram.independence, noise as f32);
+            self.cells.set(&self.sums, self.periodogram.independence(), noise as f32);
             self.fit.set_direction(&self.periodogram, &self.sums, MOST_FREQUENCY);
         }
 

@@ -17,7 +17,7 @@ const SUMS: usize = 8;
 /// exponential distribution of the powers explains. It bounds the pull of any one cell.
 const SHAPE: f32 = 30.0;
 /// Least power transfer: below it the noise or rounding rules.
-const LEAST_POWER: f32 = 1e-8;
+pub(super) const LEAST_POWER: f32 = 1e-8;
 /// Prior standard deviation of the logarithm of the noise power about its first guess.
 const NOISE_STD: f64 = 1.0;
 
@@ -290,6 +290,7 @@ fn add_prior(kernel: Kernel, point: &Point, with_information: bool, out: &mut Sc
         }
     }
     if with_information {
+        out.information[(ANGLE, ANGLE)] += point.angle_precision;
         let fixed: &[usize] = match kernel {
             Kernel::None => &[LENGTH, ANGLE, SHARE, RATIO2],
             Kernel::Line => &[RATIO2],

@@ -1,8 +1,11 @@
 //! `whittle`: the likelihood of the whole spectrum.
 
+mod along;
 mod cells;
+mod diagnosis;
 mod fit;
 mod likelihood;
+mod overlay;
 mod periodogram;
 mod point;
 mod response;
@@ -12,12 +15,18 @@ mod search;
 mod testing;
 mod verdict;
 mod view;
+mod weighted;
 
 use ndarray::ArrayView2;
 
-pub(super) use self::scene::{MEAN, STD, TERMS, terms};
+pub use self::diagnosis::{Diagnosis, Surface};
+pub(crate) use self::periodogram::FALL;
+pub(crate) use self::scene::{MEAN, STD, TERMS, terms};
+
+pub(in crate::estimate) use self::along::Along;
 
 use self::view::{Accelerated, Outcome, View};
+use self::weighted::WeightedPlan;
 use super::no_pattern;
 use crate::estimate::per_size::PerSize;
 use crate::estimate::{Acceleration, AxialAngle, Evidence, JointEstimator, LengthRange, MotionBlur, Settings, Status};
@@ -90,6 +99,7 @@ const ACCELERATION_WINDOW: Window = Window::Hann;
 pub struct Whittle {
     settings: Settings,
     plan: PerSize<Plan>,
+    weighted: Option<WeightedPlan>,
 }
 
 #[derive(Debug)]
@@ -111,7 +121,7 @@ struct Part {
 impl Whittle {
     /// An estimator with these settings. Plans are made with the first picture.
     pub fn new(settings: &Settings) -> Self {
-        Self { settings: *settings, plan: PerSize::new() }
+        Self { settings: *settings, plan: PerSize::new(), weighted: None }
     }
 }
 

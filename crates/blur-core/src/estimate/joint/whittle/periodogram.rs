@@ -2,16 +2,21 @@
 
 use ndarray::ArrayView2;
 
-use crate::image::{Taper, Window};
+use super::overlay::Overlay;
+use crate::image::Window;
 use crate::spectrum::Dft2;
 
 /// Radii of the bins used: above this many bins of the shorter side, where the window's own lobe ends ...
 const LEAST_BINS: f64 = 3.0;
+/// Bins of the longer side, or of the least extent of weights, beyond which the lobe has died away ...
+const LOBE_BINS: f64 = 5.0;
+/// ... up to so many times as much.
+const MOST_LOBE: f64 = 8.0;
 /// ... up to this frequency in cycles per pixel.
 pub(super) const MOST_FREQUENCY: f64 = 0.5;
 /// Powers are multiplied by `(f / 0.1)^2.2`, the fall of the spectra of photographs, so that a cell may hold bins of
 /// different radii.
-pub(super) const FALL: f64 = 2.2;
+pub(crate) const FALL: f64 = 2.2;
 /// The noise is first guessed beyond this frequency.
 const NOISE_FREQUENCY: f64 = 0.4;
 const SECTORS: usize = 36;
@@ -24,15 +29,10 @@ const LEAST_NOISE: f64 = 1e-8;
 /// window `w`, so that white noise of variance `s^2` has the mean power `s^2`.
 #[derive(Debug)]
 pub(super) struct Periodogram {
-    taper: Taper,
+    overlay: Overlay,
     dft: Dft2,
-    /// `1 / sum w^2`.
-    scale: f32,
-    /// Independent bins per bin: the window correlates neighbours.
-    pub(super) independence: f64,
-    /// Autocorrelations of the window along a column and along a row, 1 at lag 0.
-    lag_rows: Vec<f64>,
-    lag_columns: Vec<f64>,
+    /// Bins of the longer side beyond which the lobe of the window has died away.
+    lobe_bins: usize,
     /// Frequencies of the bins in cycles per pixel; `v` points down.
     pub(super) u: Vec<f32>,
     pub(super) v: Vec<f32>,
@@ -49,8 +49,20 @@ pub(super) struct Periodogram {
 }
 
 impl Periodogram {
+    /// Under a window over the whole picture.
     pub(super) fn new(rows: usize, columns: usize, window: Window) -> Self {
-        let side = rows.min(columns) as f64;
+        let overlay = Overlay::window(rows, columns, window);
+        Self::under(overlay, (rows, columns), rows.min(columns) as f64, LOBE_BINS as usize)
+    }
+
+    /// Under weights that measure `extent_px` where they are narrowest, transformed in `rows` x `columns` pixels.
+    pub(super) fn weighted(rows: usize, columns: usize, extent_px: f64) -> Self {
+        let wider = (rows.max(columns) as f64 / extent_px).clamp(1.0, MOST_LOBE);
+        let lobe_bins = (LOBE_BINS * wider).ceil() as usize;
+        Self::under(Overlay::weights(rows, columns), (rows, columns), extent_px, lobe_bins)
+    }
+
+    fn under(overlay: Overlay, (rows, columns): (usize, usize), side: f64, lobe_bins: usize) -> Self {
         let half = columns / 2 + 1;
         let (mut u, mut v, mut weight, mut index) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
         let mut noise_bins = Vec::new();
@@ -80,15 +92,10 @@ impl Periodogram {
             }
         }
         starts.push((u.len(), 0.0));
-        let (row_weights, column_weights) = (window.weights(rows), window.weights(columns));
-        let square = |w: &[f32]| w.iter().map(|&w| f64::from(w).powi(2)).sum::<f64>();
         Self {
-            taper: Taper::new(window, rows, columns),
+            overlay,
             dft: Dft2::new(rows, columns),
-            scale: (1.0 / (square(&row_weights) * square(&column_weights))) as f32,
-            independence: 1.0 / (window.variance_factor(rows) * window.variance_factor(columns)),
-            lag_rows: autocorrelation(&row_weights),
-            lag_columns: autocorrelation(&column_weights),
+            lobe_bins,
             whitened: vec![0.0; u.len()],
             rows: starts,
             u,
@@ -109,13 +116,33 @@ impl Periodogram {
         self.dft.dim()
     }
 
+    /// Independent bins per bin: the window correlates neighbours.
+    pub(super) fn independence(&self) -> f64 {
+        self.overlay.independence()
+    }
+
+    /// Bins of the longer side beyond which the lobe of the window has died away.
+    pub(super) fn lobe_bins(&self) -> usize {
+        self.lobe_bins
+    }
+
+    /// The picture's power spectrum under weights of its size takes the place of the last one; for periodograms of
+    /// weighted pictures.
+    pub(super) fn set_weighted(&mut self, image: ArrayView2<'_, f32>, weights: ArrayView2<'_, f32>) {
+        if let Overlay::Weights(overlay) = &mut self.overlay {
+            overlay.set(weights);
+        }
+        self.set(image);
+    }
+
     /// The picture's power spectrum takes the place of the last one.
     pub(super) fn set(&mut self, image: ArrayView2<'_, f32>) {
-        self.taper.apply(image, self.dft.input());
+        self.overlay.apply(image, self.dft.input());
+        let scale = self.overlay.scale();
         let spectrum = self.dft.transform();
         let Some(spectrum) = spectrum.as_slice() else { return };
         for ((out, &index), &weight) in self.whitened.iter_mut().zip(&self.index).zip(&self.weight) {
-            *out = spectrum[index as usize].norm_sqr() * self.scale * weight;
+            *out = spectrum[index as usize].norm_sqr() * scale * weight;
         }
     }
 
@@ -148,9 +175,9 @@ impl Periodogram {
         if calmest.is_finite() { calmest.max(LEAST_NOISE) } else { LEAST_NOISE }
     }
 
-    /// Autocorrelation of the window at the lag `(x, y)` in pixels.
+    /// Autocorrelation of the window at the lag `(x, y)` in pixels, `y` downwards.
     pub(super) fn window_at(&self, x: f64, y: f64) -> f64 {
-        interpolate(&self.lag_columns, x.abs()) * interpolate(&self.lag_rows, y.abs())
+        self.overlay.autocorrelation(x, y)
     }
 
     /// Sums the bins up to `most_frequency` into cells along the direction `angle` (radians), `width` bins wide.
@@ -185,20 +212,6 @@ impl Periodogram {
                 }
             }
         }
-    }
-}
-
-fn autocorrelation(weights: &[f32]) -> Vec<f64> {
-    let at = |lag: usize| weights.iter().zip(&weights[lag..]).map(|(&a, &b)| f64::from(a) * f64::from(b)).sum::<f64>();
-    let energy = at(0);
-    (0..weights.len()).map(|lag| at(lag) / energy).collect()
-}
-
-fn interpolate(values: &[f64], at: f64) -> f64 {
-    let below = at as usize;
-    match (values.get(below), values.get(below + 1)) {
-        (Some(a), Some(b)) => a + (b - a) * (at - below as f64),
-        _ => 0.0,
     }
 }
 

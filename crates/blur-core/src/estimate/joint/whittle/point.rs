@@ -44,6 +44,8 @@ pub(super) struct Point {
     pub(super) length: f64,
     /// Radians.
     pub(super) angle: f64,
+    /// Inverse prior variance of the angle about where it is: 0 when nothing is known of it.
+    pub(super) angle_precision: f64,
     pub(super) log_noise: f64,
     /// The first guess of it, from the highest frequencies: bands without noise cannot tell.
     pub(super) guessed_log_noise: f64,
@@ -63,6 +65,7 @@ impl Point {
         Self {
             length: 1.0,
             angle: 0.0,
+            angle_precision: 0.0,
             log_noise: 0.0,
             guessed_log_noise: 0.0,
             log_share: SHARE_MEAN,
@@ -93,6 +96,7 @@ impl Point {
     /// Becomes `other` without allocating.
     pub(super) fn copy(&mut self, other: &Self) {
         (self.length, self.angle, self.log_noise) = (other.length, other.angle, other.log_noise);
+        self.angle_precision = other.angle_precision;
         self.guessed_log_noise = other.guessed_log_noise;
         (self.log_share, self.ratio2) = (other.log_share, other.ratio2);
         (self.scene, self.roughness) = (other.scene, other.roughness);

@@ -7,12 +7,9 @@ use crate::psf::{AcceleratedBlur, DiskBlur};
 
 /// Points of the table per bin of the longer side.
 const PER_BIN: usize = 4;
-/// Reach of the window's lobe in points of the table: beyond five bins it has died away.
-const LOBE: usize = 5 * PER_BIN;
-/// Reach of the lobe smeared over a cell.
-const REACH: usize = LOBE + PER_BIN * WIDEST_CELL / 2 + 1;
-/// Lags over which the window's lobe is summed.
+/// Lags over which the window's lobe is summed: this many, and no fewer for a bin that it reaches.
 const LAGS: usize = 64;
+const LAGS_PER_BIN: usize = 12;
 /// Step in `r^2` of the derivative.
 const RATIO2_STEP: f64 = 1e-3;
 
@@ -44,15 +41,21 @@ pub(super) struct Response {
     raw: [Vec<f32>; COLUMNS],
     even: [Vec<f32>; COLUMNS],
     odd: [Vec<f32>; COLUMNS],
-    lobe: [f32; REACH + 1],
+    /// The window's lobe from its middle to where it has died away, in points of the table, ...
+    lobe: Vec<f64>,
+    /// ... and smeared over a cell.
+    smeared: Vec<f64>,
     columns: usize,
+    /// Length and squared ratio of the accelerated blur that the table holds, the costliest to compute.
+    accelerated: Option<(f64, f64)>,
 }
 
 const COLUMNS: usize = 3;
 
 impl Response {
-    /// For pictures whose longer side has `side` pixels.
-    pub(super) fn new(side: usize) -> Self {
+    /// For pictures whose longer side has `side` pixels, under a window whose lobe has died away beyond `lobe_bins` bins.
+    pub(super) fn new(side: usize, lobe_bins: usize) -> Self {
+        let reach = PER_BIN * lobe_bins + PER_BIN * WIDEST_CELL / 2 + 1;
         let step = 1.0 / (PER_BIN * side) as f64;
         let len = (MOST_FREQUENCY / step).ceil() as usize + 2;
         let column = |n: usize| std::array::from_fn(|_| vec![0.0; n]);
@@ -60,58 +63,64 @@ impl Response {
             step,
             len,
             used: len,
-            // Mirrored at 0: `REACH` points on either side.
-            raw: column(len + 2 * REACH),
+            // Mirrored at 0, with the lobe's reach on either side.
+            raw: column(len + 2 * reach),
             even: column(len),
             odd: column(len),
-            lobe: [0.0; REACH + 1],
+            lobe: vec![0.0; PER_BIN * lobe_bins + 1],
+            smeared: vec![0.0; reach + 1],
             columns: 2,
+            accelerated: None,
         }
     }
 
     /// Takes the window's lobe along the direction of `cells`, smeared over their width, for frequencies up to
     /// `most_frequency`.
     pub(super) fn set_direction(&mut self, periodogram: &Periodogram, cells: &CellSums, most_frequency: f64) {
+        self.accelerated = None;
         self.used = ((most_frequency / self.step).ceil() as usize + 4).min(self.len);
         let (sin, cos) = cells.angle.sin_cos();
         let (rows, columns) = periodogram.dim();
         let longest = (columns as f64 / cos.abs().max(1e-9)).min(rows as f64 / sin.abs().max(1e-9));
-        let lag = longest / LAGS as f64;
-        let mut lobe = [0.0; LOBE + 1];
-        for (j, value) in lobe.iter_mut().enumerate() {
+        let lags = LAGS.max(LAGS_PER_BIN * self.lobe.len() / PER_BIN);
+        let lag = longest / lags as f64;
+        for (j, value) in self.lobe.iter_mut().enumerate() {
             let turn = 2.0 * PI * j as f64 * self.step * lag;
             *value = 0.5;
             // cos(i turn) by its recurrence.
             let (mut before, mut now) = (1.0, turn.cos());
             let twice = 2.0 * now;
-            for i in 1..LAGS {
+            for i in 1..lags {
                 let distance = i as f64 * lag;
-                *value += periodogram.window_at(distance * cos, distance * sin) * now;
+                *value += periodogram.window_at(distance * cos, -distance * sin) * now;
                 (before, now) = (now, twice * now - before);
             }
         }
         // One bin's width is in the lobe already: a cell of one bin holds bins at their own places.
         let half = (cells.width() - 1) * PER_BIN / 2;
-        let mut smeared = [0.0; REACH + 1];
-        for (j, value) in smeared.iter_mut().enumerate() {
-            for k in 0..=2 * half {
-                *value += lobe.get((j + k).abs_diff(half)).copied().unwrap_or(0.0);
-            }
+        let lobe = &self.lobe;
+        for (j, value) in self.smeared.iter_mut().enumerate() {
+            *value = (0..=2 * half).map(|k| lobe.get((j + k).abs_diff(half)).copied().unwrap_or(0.0)).sum();
         }
-        let sum = smeared[0] + 2.0 * smeared[1..].iter().sum::<f64>();
-        for (out, value) in self.lobe.iter_mut().zip(smeared) {
-            *out = (value / sum) as f32;
+        let sum = self.smeared[0] + 2.0 * self.smeared[1..].iter().sum::<f64>();
+        for value in &mut self.smeared {
+            *value /= sum;
         }
+    }
+
+    /// Points of the table that the smeared lobe reaches.
+    fn reach(&self) -> usize {
+        self.smeared.len() - 1
     }
 
     /// Fills the table for a uniform blur of `length` pixels.
     pub(super) fn set_uniform(&mut self, length: f64) {
-        self.columns = 2;
+        (self.columns, self.accelerated) = (2, None);
         let turn = PI * length * self.step;
         // sin and cos of k turn by a rotation.
         let (sin_step, cos_step) = turn.sin_cos();
         let (mut sin, mut cos) = (0.0_f64, 1.0_f64);
-        for k in 0..self.used + REACH {
+        for k in 0..self.used + self.reach() {
             let (power, slope) = if k == 0 {
                 (1.0, 0.0)
             } else {
@@ -127,12 +136,15 @@ impl Response {
 
     /// Fills the table for an accelerated blur of `length` pixels and the squared acceleration ratio `ratio2`, 0 to 1.
     pub(super) fn set_accelerated(&mut self, length: f64, ratio2: f64) {
+        if self.accelerated.replace((length, ratio2)) == Some((length, ratio2)) {
+            return;
+        }
         self.columns = COLUMNS;
         // Both ratios stay inside 0..1, so the difference is one-sided at the ends.
         let low = (ratio2 - RATIO2_STEP).max(0.0);
         let high = (low + 2.0 * RATIO2_STEP).min(1.0);
         let mtf2 = |ratio2: f64, q: f64| AcceleratedBlur::new(1.0, ratio2.sqrt()).map_or(1.0, |b| b.mtf(q).powi(2));
-        for k in 0..self.used + REACH {
+        for k in 0..self.used + self.reach() {
             let q = k as f64 * self.step * length;
             let power = mtf2(ratio2, q);
             let slope = q * (mtf2(ratio2, q + 1e-4) - mtf2(ratio2, (q - 1e-4).abs())) / 2e-4;
@@ -144,8 +156,8 @@ impl Response {
 
     /// Fills the table for a disk of `diameter` pixels; `s` is then the radius.
     pub(super) fn set_disk(&mut self, diameter: f64) {
-        self.columns = 2;
-        for k in 0..self.used + REACH {
+        (self.columns, self.accelerated) = (2, None);
+        for k in 0..self.used + self.reach() {
             // 2 J1(x)/x and its derivative -2 J2(x)/x.
             let x = PI * k as f64 * self.step * diameter;
             let transfer = DiskBlur::new(diameter).map_or(1.0, |disk| disk.transfer(k as f64 * self.step));
@@ -156,23 +168,26 @@ impl Response {
     }
 
     fn put(&mut self, k: usize, values: [f32; COLUMNS]) {
+        let reach = self.reach();
         for (raw, value) in self.raw.iter_mut().zip(values).take(self.columns) {
-            raw[REACH + k] = value;
-            if (1..=REACH).contains(&k) {
-                raw[REACH - k] = value;
+            raw[reach + k] = value;
+            if (1..=reach).contains(&k) {
+                raw[reach - k] = value;
             }
         }
     }
 
     fn smear(&mut self) {
+        let reach = self.reach();
         for ((raw, even), odd) in self.raw.iter().zip(&mut self.even).zip(&mut self.odd).take(self.columns) {
             let (even, odd) = (&mut even[..self.used], &mut odd[..self.used]);
-            for ((out, out_odd), &value) in even.iter_mut().zip(odd.iter_mut()).zip(&raw[REACH..]) {
-                (*out, *out_odd) = (self.lobe[0] * value, 0.0);
+            for ((out, out_odd), &value) in even.iter_mut().zip(odd.iter_mut()).zip(&raw[reach..]) {
+                (*out, *out_odd) = (self.smeared[0] as f32 * value, 0.0);
             }
-            for (j, &weight) in self.lobe.iter().enumerate().skip(1) {
+            for (j, &weight) in self.smeared.iter().enumerate().skip(1) {
+                let weight = weight as f32;
                 let moment = weight * (j as f64 * self.step) as f32;
-                let (below, above) = (&raw[REACH - j..], &raw[REACH + j..]);
+                let (below, above) = (&raw[reach - j..], &raw[reach + j..]);
                 for (((out, out_odd), &a), &b) in even.iter_mut().zip(odd.iter_mut()).zip(below).zip(above) {
                     *out += weight * (a + b);
                     *out_odd += moment * (a - b);
@@ -222,7 +237,7 @@ mod tests {
         let mut sums = CellSums::new(rows.max(columns));
         periodogram.set_powers(|_, _| 1.0);
         periodogram.gather(deg.to_radians(), 1, MOST_FREQUENCY, &mut sums);
-        let mut response = Response::new(rows.max(columns));
+        let mut response = Response::new(rows.max(columns), periodogram.lobe_bins());
         response.set_direction(&periodogram, &sums, MOST_FREQUENCY);
         response
     }
@@ -268,7 +283,7 @@ mod tests {
             for deg in ANGLES_DEG {
                 let mut response = response(window, dim, deg);
                 let along = along(window, dim, deg);
-                let reach = (LOBE as f64 + 0.5) * response.step;
+                let reach = ((response.lobe.len() - 1) as f64 + 0.5) * response.step;
                 let left_out = tail(&along, 200.0, reach).abs();
                 for length in LENGTHS {
                     response.set_uniform(length);
@@ -377,7 +392,7 @@ mod tests {
         let mut response = response(TUKEY, (64, 96), 0.0);
         // A point of the table, before the window smears it, lies on the line.
         let length = 12.0;
-        let on_line = REACH + PER_BIN * 96 / 12;
+        let on_line = response.reach() + PER_BIN * 96 / 12;
         let mut relative = |ratio: f64| {
             response.set_accelerated(length, ratio * ratio);
             f64::from(response.raw[0][on_line]).sqrt() / (ratio.abs() / PI)

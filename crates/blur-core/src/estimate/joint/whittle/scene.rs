@@ -1,7 +1,7 @@
 //! What the spectra of sharp pictures look like: the prior of the fit.
 
 /// Terms of the mean log spectrum.
-pub(in crate::estimate::joint) const TERMS: usize = 18;
+pub(crate) const TERMS: usize = 18;
 /// Width of the ridges that horizontal and vertical edges draw along the axes, as the tangent of an angle.
 const RIDGE: f64 = 0.052;
 
@@ -11,14 +11,14 @@ const RIDGE: f64 = 0.052;
 /// From twelve photographs and five textures by a fit with ridges of another shape. The program `learn-prior` of the tests
 /// prints the table that the present terms give: it differs by up to 0.4 in the fall with the radius, within the standard
 /// deviations here.
-pub(in crate::estimate::joint) const MEAN: [f64; TERMS] =
+pub(crate) const MEAN: [f64; TERMS] =
     [0.0, 0.16, -0.17, -0.10, 0.20, 0.32, -0.01, -0.25, 0.01, 0.03, 0.05, -0.03, -0.02, -0.07, -0.21, 0.0, 0.38, 0.17];
-pub(in crate::estimate::joint) const STD: [f64; TERMS] =
+pub(crate) const STD: [f64; TERMS] =
     [1e3, 0.65, 0.21, 0.31, 0.29, 0.43, 0.15, 0.19, 0.14, 0.09, 0.13, 0.12, 0.23, 0.15, 0.21, 0.08, 1.03, 0.72];
 
 /// The terms at a frequency: `1, x, x^2`, `cos` and `sin` of twice and four times the direction `phi`, `x^3`, six and
 /// eight times `phi`, `x` times the first four, then a ridge along each axis; `x = ln(f / 0.1)`.
-pub(in crate::estimate::joint) fn terms(u: f64, v: f64) -> [f64; TERMS] {
+pub(crate) fn terms(u: f64, v: f64) -> [f64; TERMS] {
     let r2 = u * u + v * v;
     let x = 0.5 * (100.0 * r2).ln();
     // The direction with y up has -v.

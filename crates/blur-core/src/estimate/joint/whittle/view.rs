@@ -1,5 +1,7 @@
 //! The measurement of one part of a picture under one window.
 
+mod survey;
+
 use std::f64::consts::{FRAC_PI_2, PI};
 
 use ndarray::ArrayView2;
@@ -52,6 +54,12 @@ const MOST_LOSS: f64 = 1.2;
 /// ... and lets the logarithm of the incoherent share grow by at most this, or to no more than the second.
 const SHARE_GROWTH: f64 = 0.7;
 const COHERENT: f64 = -4.0;
+/// Precision of an angle that is known: a millionth of a radian.
+const KNOWN: f64 = 1e12;
+/// Lead in log-likelihood over any other length that leaves no rival.
+const CLEAR_LEAD: f64 = 18.0;
+/// Logarithmic step of the lengths from which fits along a known angle start.
+const LENGTH_STEP: f64 = 0.06;
 
 /// What the likelihood says of a part of a picture.
 #[derive(Debug, Clone, Copy)]
@@ -125,7 +133,12 @@ struct Mode {
 impl View {
     /// For pictures of this size; blurs are searched in `range`, those beyond are only refined.
     pub(super) fn new((rows, columns): (usize, usize), window: Window, range: LengthRange) -> Self {
-        let periodogram = Periodogram::new(rows, columns, window);
+        Self::of(Periodogram::new(rows, columns, window), range)
+    }
+
+    /// For pictures that such a `periodogram` is made of; blurs are searched in `range`.
+    pub(super) fn of(periodogram: Periodogram, range: LengthRange) -> Self {
+        let (rows, columns) = periodogram.dim();
         let mut bands = Vec::new();
         let mut most_frequency = WIDEST_BAND;
         while bands.is_empty() || most_frequency * rows.min(columns) as f64 > LEAST_BAND_BINS {
@@ -136,18 +149,23 @@ impl View {
             }
             most_frequency *= 0.5;
         }
-        let side = rows.max(columns);
-        let sums = CellSums::new(side);
+        Self { modes: Vec::with_capacity(bands.len() * search::CANDIDATES), bands, ..Self::fit_only(periodogram) }
+    }
+
+    /// Without the bands of a search: for motions along a known angle.
+    pub(super) fn fit_only(periodogram: Periodogram) -> Self {
+        let (rows, columns) = periodogram.dim();
+        let sums = CellSums::new(rows.max(columns));
         Self {
             cells: Cells::new(sums.capacity()),
-            fit: Fit::new(side),
+            fit: Fit::new(&periodogram),
             powers: vec![0.0; periodogram.len()],
             logs: vec![0.0; periodogram.len()],
-            modes: Vec::with_capacity(bands.len() * search::CANDIDATES),
+            modes: Vec::new(),
             points: std::array::from_fn(|_| Point::new()),
             noise: 0.0,
             sums,
-            bands,
+            bands: Vec::new(),
             periodogram,
         }
     }
@@ -155,6 +173,12 @@ impl View {
     /// The picture to measure, of the view's size.
     pub(super) fn set(&mut self, image: ArrayView2<'_, f32>) {
         self.periodogram.set(image);
+        self.noise = self.periodogram.noise();
+    }
+
+    /// The picture to measure under weights of its size, for views of weighted pictures.
+    pub(super) fn set_weighted(&mut self, image: ArrayView2<'_, f32>, weights: ArrayView2<'_, f32>) {
+        self.periodogram.set_weighted(image, weights);
         self.noise = self.periodogram.noise();
     }
 
@@ -196,6 +220,63 @@ impl View {
         self.fit.maximise(&self.cells, Kernel::AcceleratedLine, trial, FINAL);
         let covariance = self.fit.covariance()?.map(|row| row.map(|value| value * scale * scale));
         Some(Accelerated { length: trial.length, angle: trial.angle, ratio2: trial.ratio2, covariance, uniform_std })
+    }
+
+    /// As [`measure`](Self::measure) along a known angle (radians), and exhaustively: fits from every length of `range`, in
+    /// a few dark lines first and then in the whole spectrum. The most likely one wins.
+    pub(super) fn measure_along(&mut self, angle: f64, range: LengthRange) -> Option<Outcome> {
+        for point in &mut self.points {
+            point.angle_precision = KNOWN;
+        }
+        let (mut best, mut rival) = (None::<(Candidate, Maximum)>, f64::INFINITY);
+        let steps = ((range.max_px() / range.min_px()).ln() / LENGTH_STEP).ceil() as usize;
+        for step in 0..=steps {
+            let length = (range.min_px() * (LENGTH_STEP * step as f64).exp()).min(range.max_px());
+            self.start_fit(Candidate { angle, length, gain: 0.0 }, (FIRST_LINES / length).min(MOST_FREQUENCY));
+            self.gather(angle, 1, MOST_FREQUENCY);
+            let line = self.fit.maximise(&self.cells, Kernel::Line, &mut self.points[1], FIRST);
+            let found = Candidate { angle, length: self.points[1].length, gain: -line.loss };
+            match &best {
+                Some((other, _)) if other.gain >= found.gain => {
+                    if !same(other, &found) {
+                        rival = rival.min(line.loss);
+                    }
+                }
+                _ => {
+                    if let Some((_, maximum)) = best.filter(|(other, _)| !same(other, &found)) {
+                        rival = rival.min(maximum.loss);
+                    }
+                    best = Some((found, line));
+                    self.points.swap(0, 1);
+                }
+            }
+        }
+        let (found, line) = best?;
+        self.gather(angle, 1, MOST_FREQUENCY);
+        let [first, _, other] = &mut self.points;
+        other.copy(first);
+        self.fit.start_scene(&self.cells, Kernel::None, other);
+        let none = self.fit.maximise(&self.cells, Kernel::None, other, ALTERNATIVE);
+        let gain = none.loss - line.loss;
+        let mut outcome = Outcome {
+            length: found.length,
+            angle,
+            covariance: Covariance::default(),
+            band: MOST_FREQUENCY,
+            gain,
+            density: gain / (line.signal + SPARE_BINS),
+            // In the whole spectrum even a sixth of the dark lines gains much: what counts is the lead.
+            rival: if rival - line.loss < CLEAR_LEAD { ((none.loss - rival) / gain).max(0.0) } else { 0.0 },
+            over_disk: f64::INFINITY,
+            log_share: 0.0,
+            peaks: 1.0,
+            misfit: line.misfit,
+        };
+        self.settle();
+        self.compare_disk(&mut outcome);
+        self.settle();
+        self.record(&mut outcome, MOST_FREQUENCY)?;
+        Some(outcome)
     }
 
     /// Lets every band search and joins what they find into modes, the one with most votes first.
@@ -365,7 +446,7 @@ impl View {
     /// Gathers cells of `width` bins along `angle` up to `most_frequency`.
     fn gather(&mut self, angle: f64, width: usize, most_frequency: f64) {
         self.periodogram.gather(angle, width, most_frequency, &mut self.sums);
-        self.cells.set(&self.sums, self.periodogram.independence, self.noise as f32);
+        self.cells.set(&self.sums, self.periodogram.independence(), self.noise as f32);
         self.fit.set_direction(&self.periodogram, &self.sums, most_frequency);
     }
 

@@ -1,0 +1,70 @@
+//! The likelihood of the length along a known direction, of strips too.
+
+use ndarray::{Array2, ArrayView2};
+
+use super::periodogram::Periodogram;
+use super::view::View;
+use super::{MIDDLE_PX, WHOLE_PX, WHOLE_WINDOW, verdict};
+use crate::estimate::length::{no_length, range_along};
+use crate::estimate::per_size::PerSize;
+use crate::estimate::{AxialAngle, LengthEstimate, Settings};
+use crate::image::centre_square;
+
+/// The length along a known angle by the likelihood of [`Whittle`](super::Whittle).
+#[derive(Debug)]
+pub(in crate::estimate) struct Along {
+    settings: Settings,
+    plan: PerSize<Plan>,
+}
+
+/// Plans and buffers for pictures of one size.
+#[derive(Debug)]
+struct Plan {
+    weights: Array2<f32>,
+    /// For motions nearer to the rows.
+    flat: View,
+    /// For motions nearer to the columns, when the picture is not square.
+    steep: Option<View>,
+}
+
+impl Along {
+    pub(in crate::estimate) fn new(settings: &Settings) -> Self {
+        Self { settings: *settings, plan: PerSize::new() }
+    }
+
+    /// The length in `image`, of which the middle 1024 x 1024 pixels count when both sides are longer than 768.
+    pub(in crate::estimate) fn estimate(&mut self, image: ArrayView2<'_, f32>, angle: AxialAngle) -> LengthEstimate {
+        let side = image.nrows().min(image.ncols());
+        let picture = if side <= WHOLE_PX { image } else { centre_square(image, MIDDLE_PX) };
+        let range = range_along(&self.settings, picture.dim(), angle);
+        let along_rows = angle.rad().cos().abs() >= angle.rad().sin().abs();
+        let settings = self.settings;
+        let Plan { weights, flat, steep } = self.plan.get(picture.dim(), |dim| Plan::new(&settings, dim));
+        let view = steep.as_mut().filter(|_| !along_rows).unwrap_or(flat);
+        view.set_weighted(picture, weights.view());
+        let Some(outcome) = view.measure_along(angle.rad(), range) else { return no_length(range) };
+        LengthEstimate {
+            length_px: outcome.length,
+            std_px: Some(outcome.length * outcome.covariance[0][0].sqrt()),
+            status: verdict::status(&outcome, range),
+        }
+    }
+}
+
+impl Plan {
+    fn new(settings: &Settings, dim: (usize, usize)) -> Self {
+        let (rows, columns) = dim;
+        let window = settings.window.unwrap_or(WHOLE_WINDOW);
+        let (row_weights, column_weights) = (window.weights(rows), window.weights(columns));
+        let weights = Array2::from_shape_fn(dim, |(row, column)| row_weights[row] * column_weights[column]);
+        // Across the motion a strip may be as narrow as it likes: what leaks there leaks within a dark line.
+        let view = |extent: usize| {
+            let mut view = View::fit_only(Periodogram::weighted(rows, columns, extent as f64));
+            // The weights are taken in now, so that a picture that is measured in another direction allocates nothing.
+            view.set_weighted(Array2::zeros(dim).view(), weights.view());
+            view
+        };
+        let (flat, steep) = (view(columns), (rows != columns).then(|| view(rows)));
+        Self { weights, flat, steep }
+    }
+}
