@@ -1,0 +1,130 @@
+//! The motions that several tiles agree upon.
+
+use super::tiles::TileBlur;
+use crate::estimate::{AxialAngle, MotionBlur, Status};
+
+/// Motions at most.
+const MOST: usize = 8;
+/// Votes of a tile whose blur is certain; one in doubt has one.
+const CERTAIN: usize = 3;
+/// Votes that make a motion.
+const LEAST_VOTES: usize = 3;
+/// Tiles belong together within this many standard deviations ...
+const DEVIATIONS: f64 = 3.0;
+/// ... of their own and of this share of the length: a blur may differ somewhat over an object.
+const TOLERANCE: f64 = 0.08;
+
+/// A motion as a point of the plane: `(L cos angle, L sin angle)`, of which the opposite point is the same motion.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct AxialVector {
+    x: f64,
+    y: f64,
+}
+
+/// The motion of several tiles.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Candidate {
+    pub(super) length_px: f64,
+    pub(super) angle: AxialAngle,
+    /// Centres of the tiles, column and row.
+    pub(super) seeds: Vec<(f64, f64)>,
+    /// Side of a tile in pixels: nothing further from all seeds belongs to the motion.
+    pub(super) reach_px: f64,
+}
+
+impl Candidate {
+    /// Whether the motion may reach the point at column `x`, row `y`.
+    pub(super) fn reaches(&self, x: f64, y: f64) -> bool {
+        self.seeds.iter().any(|seed| (seed.0 - x).abs().max((seed.1 - y).abs()) <= self.reach_px)
+    }
+
+    /// Whether a measurement of the whole region agrees with its tiles.
+    pub(super) fn is_near(&self, blur: &MotionBlur) -> bool {
+        let tiles = AxialVector::of(self.length_px, self.angle);
+        let whole = AxialVector::of(blur.length_px, blur.angle).towards(tiles);
+        (tiles.x - whole.x).hypot(tiles.y - whole.y) < TOLERANCE * self.length_px
+    }
+}
+
+impl AxialVector {
+    fn of(length_px: f64, angle: AxialAngle) -> Self {
+        let (sin, cos) = angle.rad().sin_cos();
+        Self { x: length_px * cos, y: length_px * sin }
+    }
+
+    /// The same motion, on the side of `other`.
+    fn towards(self, other: Self) -> Self {
+        if self.x * other.x + self.y * other.y < 0.0 { Self { x: -self.x, y: -self.y } } else { self }
+    }
+}
+
+/// Square of the distance of two blurs in their combined standard deviations.
+fn distance2(a: &MotionBlur, b: &MotionBlur) -> f64 {
+    let (av, bv) = (AxialVector::of(a.length_px, a.angle), AxialVector::of(b.length_px, b.angle));
+    let bv = bv.towards(av);
+    let (dx, dy) = (av.x - bv.x, av.y - bv.y);
+    let (ca, cb) = (covariance(a), covariance(b));
+    let [xx, xy, yy] = [ca[0] + cb[0], ca[1] + cb[1], ca[2] + cb[2]];
+    (dx * dx * yy - 2.0 * dx * dy * xy + dy * dy * xx) / (xx * yy - xy * xy)
+}
+
+/// Covariance `xx, xy, yy` of the vector, the tolerance counted in.
+fn covariance(blur: &MotionBlur) -> [f64; 3] {
+    let (sin, cos) = blur.angle.rad().sin_cos();
+    let length = blur.length_px;
+    let (along, across) = (blur.length_std_px.unwrap_or(0.0), length * blur.angle_std_deg.unwrap_or(0.0).to_radians());
+    let mixed = blur.correlation.unwrap_or(0.0) * along * across;
+    let own = 0.5 * (TOLERANCE * length).powi(2);
+    let (ll, lt, tt) = (along * along + own, mixed, across * across + own);
+    [
+        cos * cos * ll - 2.0 * sin * cos * lt + sin * sin * tt,
+        sin * cos * (ll - tt) + (cos * cos - sin * sin) * lt,
+        sin * sin * ll + 2.0 * sin * cos * lt + cos * cos * tt,
+    ]
+}
+
+/// The motions of the tiles that have one, the one with most votes first: a tile in doubt may be right all the same when
+/// others agree with it.
+pub(super) fn candidates(tiles: &[TileBlur]) -> Vec<Candidate> {
+    let vote = |status: Status| match status {
+        Status::Ok => CERTAIN,
+        Status::LowConfidence(_) => 1,
+        Status::NoMotionBlur(_) => 0,
+    };
+    let mut blurs: Vec<(MotionBlur, (f64, f64))> = tiles
+        .iter()
+        .filter_map(|tile| tile.blur.map(|blur| (blur, tile.centre())))
+        .filter(|(blur, _)| vote(blur.status) > 0)
+        .collect();
+    let reach_px = tiles.iter().map(|tile| tile.tile.width).max().unwrap_or(0) as f64;
+    let near = |a: &MotionBlur, b: &MotionBlur| distance2(a, b) < DEVIATIONS * DEVIATIONS;
+    let mut found = Vec::new();
+    while found.len() < MOST {
+        // The tile that most others agree with.
+        let votes = |a| blurs.iter().filter(|(b, _)| near(a, b)).map(|(b, _)| vote(b.status)).sum::<usize>();
+        let Some((most, leader)) = blurs.iter().map(|(a, _)| (votes(a), *a)).max_by_key(|(votes, _)| *votes) else {
+            break;
+        };
+        if most < LEAST_VOTES {
+            break;
+        }
+        let origin = AxialVector::of(leader.length_px, leader.angle);
+        let (mut x, mut y, mut total) = (0.0, 0.0, 0.0);
+        let mut seeds = Vec::new();
+        for (blur, centre) in blurs.iter().filter(|(blur, _)| near(&leader, blur)) {
+            let vector = AxialVector::of(blur.length_px, blur.angle).towards(origin);
+            let [xx, _, yy] = covariance(blur);
+            let weight = vote(blur.status) as f64 / (xx + yy);
+            seeds.push(*centre);
+            (x, y, total) = (x + weight * vector.x, y + weight * vector.y, total + weight);
+        }
+        found.push(Candidate {
+            length_px: x.hypot(y) / total,
+            angle: AxialAngle::from_deg(y.atan2(x).to_degrees()),
+            seeds,
+            reach_px,
+        });
+        blurs.retain(|(blur, _)| !near(&leader, blur));
+    }
+    found
+}

@@ -1,0 +1,23 @@
+//! Blur that differs over the picture: what stands still, what moves, and how.
+//!
+//! The path of the data: [`tiles`](TileEstimator) that are measured one by one → the motions that several tiles agree
+//! upon → the `texture` in every direction, scale by scale → which pixel follows which motion → each moving region,
+//! measured as a whole. A part that the user marks comes as a [`Mask`].
+//!
+//! Programs with several threads hand out the tiles of a [`TilePlan`] and then call [`segment`] once.
+
+mod candidates;
+mod components;
+mod cut;
+mod expansion;
+mod gaussian;
+mod likeness;
+mod mask;
+mod segmentation;
+mod texture;
+mod tiles;
+mod weights;
+
+pub use mask::Mask;
+pub use segmentation::{MovingRegion, STILL, Segmentation, UNKNOWN, segment};
+pub use tiles::{LEAST_TILE_PX, TileBlur, TileEstimator, TilePlan, measure_tiles};

@@ -1,0 +1,168 @@
+//! How much a picture varies around each point, direction by direction and scale by scale.
+
+use ndarray::{Array2, ArrayView2};
+
+use super::gaussian::{derivative, filter, gaussian};
+
+/// Pixels from one point of the grid to the next.
+pub(super) const STEP_PX: usize = 4;
+/// Standard deviations in pixels of the Gaussians whose derivatives are taken.
+const SCALES_PX: [f64; SCALES] = [0.7, 1.4, 2.8, 5.6];
+pub(super) const SCALES: usize = 4;
+/// The scales at which opposite ends of a blur are compared.
+pub(super) const CORRELATED: [usize; 2] = [1, 2];
+/// Standard deviations in pixels of the Gaussian windows in which squares are averaged, and the least one relative to
+/// the scale.
+const WINDOWS_PX: [f64; WINDOWS] = [5.0, 12.0];
+pub(super) const WINDOWS: usize = 2;
+const LEAST_WINDOW: f64 = 1.5;
+/// The calmest points of a picture tell its noise: those of this share.
+const CALM: f64 = 0.05;
+/// Least noise variance of a picture of eight bits: that of its rounding.
+const ROUNDING: f64 = 1.0 / 12.0;
+
+/// Mean squares and product of the derivatives along the columns' and rows' axes.
+#[derive(Debug)]
+struct Tensor {
+    xx: Array2<f32>,
+    xy: Array2<f32>,
+    yy: Array2<f32>,
+}
+
+/// Structure tensors of a picture.
+#[derive(Debug)]
+pub(super) struct Texture {
+    /// `tensors[scale][window]`.
+    tensors: Vec<Vec<Tensor>>,
+    /// Derivatives at the scales [`CORRELATED`].
+    gradients: Vec<(Array2<f32>, Array2<f32>)>,
+    /// Mean square of a derivative of the noise, scale by scale.
+    noise: [f32; SCALES],
+}
+
+impl Texture {
+    /// The texture of `image`, at least [`STEP_PX`] pixels each way.
+    pub(super) fn new(image: ArrayView2<'_, f32>) -> Self {
+        let image = image.to_owned();
+        let mut tensors = Vec::with_capacity(SCALES);
+        let mut gradients = Vec::with_capacity(CORRELATED.len());
+        let mut of_white = [0.0_f64; SCALES];
+        for (scale, &sigma) in SCALES_PX.iter().enumerate() {
+            let (smooth, slope) = (gaussian(sigma), derivative(sigma));
+            let energy = |taps: &[f32]| taps.iter().map(|&tap| f64::from(tap).powi(2)).sum::<f64>();
+            of_white[scale] = energy(&smooth) * energy(&slope);
+            let (x, y) = (filter(&image, &slope, &smooth), filter(&image, &smooth, &slope));
+            let blocks = [blocks(&x, &x), blocks(&x, &y), blocks(&y, &y)];
+            let of_window = |&window: &f64| {
+                let taps = window_taps(window.max(LEAST_WINDOW * sigma));
+                let [xx, xy, yy] = blocks.each_ref().map(|block| filter(block, &taps, &taps));
+                Tensor { xx, xy, yy }
+            };
+            tensors.push(WINDOWS_PX.iter().map(of_window).collect::<Vec<_>>());
+            if CORRELATED.contains(&scale) {
+                gradients.push((x, y));
+            }
+        }
+        let mut calm: Vec<f32> =
+            tensors[0][1].xx.iter().zip(&tensors[0][1].yy).map(|(xx, yy)| 0.5 * (xx + yy)).collect();
+        let place = (CALM * calm.len() as f64) as usize;
+        let (_, &mut calm, _) = calm.select_nth_unstable_by(place, f32::total_cmp);
+        let variance = (f64::from(calm) / of_white[0]).max(ROUNDING);
+        Self { tensors, gradients, noise: of_white.map(|energy| (energy * variance) as f32) }
+    }
+
+    /// Rows and columns of the grid.
+    pub(super) fn dim(&self) -> (usize, usize) {
+        self.tensors[0][0].xx.dim()
+    }
+
+    /// Logarithms of the mean square of the derivative along the direction `(cos, sin)` (y down) and across it, noise
+    /// taken away, at one point of the grid.
+    pub(super) fn log_energies(
+        &self,
+        (scale, window): (usize, usize),
+        at: (usize, usize),
+        (cos, sin): (f32, f32),
+    ) -> [f32; 2] {
+        let tensor = &self.tensors[scale][window];
+        let (xx, xy, yy) = (tensor.xx[at], tensor.xy[at], tensor.yy[at]);
+        let along = xx * cos * cos + 2.0 * xy * cos * sin + yy * sin * sin;
+        let noise = self.noise[scale];
+        [along, xx + yy - along].map(|energy| ((energy - noise).max(0.0) + LEFT * noise).ln())
+    }
+
+    /// Mean square of the gradient relative to that of noise, which is taken away.
+    pub(super) fn energy_to_noise(&self, (scale, window): (usize, usize), at: (usize, usize)) -> f32 {
+        let tensor = &self.tensors[scale][window];
+        ((tensor.xx[at] + tensor.yy[at]) / self.noise[scale] - 2.0).max(0.0)
+    }
+
+    /// Whether the picture has texture at a point of the grid that noise alone would hardly have.
+    pub(super) fn is_textured(&self, at: (usize, usize)) -> bool {
+        let tensor = &self.tensors[0][1];
+        0.5 * (tensor.xx[at] + tensor.yy[at]) > TEXTURED * self.noise[0]
+    }
+
+    /// Correlations of the derivative along the direction at the two ends of a blur of `length_px`, `-1/2` where a white
+    /// scene is blurred so: one map a window, for scale number `index` of [`CORRELATED`].
+    pub(super) fn end_correlations(&self, index: usize, length_px: f64, (cos, sin): (f32, f32)) -> Vec<Array2<f32>> {
+        let (x, y) = &self.gradients[index];
+        let scale = CORRELATED[index];
+        let half = 0.5 * length_px as f32;
+        let slope = |column: f32, row: f32| cos * interpolate(x, column, row) + sin * interpolate(y, column, row);
+        let (rows, columns) = self.dim();
+        let (mut product, mut energy) = (Array2::zeros((rows, columns)), Array2::zeros((rows, columns)));
+        for ((row, column), product) in product.indexed_iter_mut() {
+            // Every second pixel each way: the derivatives are smooth.
+            let mut sums = (0.0, 0.0);
+            for (dr, dc) in [(0.5, 0.5), (0.5, 2.5), (2.5, 0.5), (2.5, 2.5)] {
+                let (r, c) = ((row * STEP_PX) as f32 + dr, (column * STEP_PX) as f32 + dc);
+                let (p, q) = (slope(c - half * cos, r - half * sin), slope(c + half * cos, r + half * sin));
+                sums = (sums.0 + 0.25 * p * q, sums.1 + 0.125 * (p * p + q * q));
+            }
+            (*product, energy[(row, column)]) = sums;
+        }
+        let of_window = |&window: &f64| {
+            let taps = window_taps(window.max(LEAST_WINDOW * SCALES_PX[scale]));
+            let mut correlation = filter(&product, &taps, &taps);
+            let energy = filter(&energy, &taps, &taps);
+            correlation.zip_mut_with(&energy, |c, e| *c /= e + self.noise[scale]);
+            correlation
+        };
+        WINDOWS_PX.iter().map(of_window).collect()
+    }
+}
+
+/// Share of the noise that is left under an energy, so that its logarithm is finite.
+const LEFT: f32 = 0.3;
+/// Energy that shows texture, relative to noise.
+const TEXTURED: f32 = 1.5;
+
+/// Taps on the grid of a Gaussian window, whose points are means over blocks already.
+fn window_taps(sigma_px: f64) -> Vec<f32> {
+    let block = (STEP_PX * STEP_PX - 1) as f64 / 12.0;
+    gaussian((sigma_px * sigma_px - block).sqrt() / STEP_PX as f64)
+}
+
+/// Means of `a b` over the blocks of the grid; pixels beyond the last whole block count for nothing.
+fn blocks(a: &Array2<f32>, b: &Array2<f32>) -> Array2<f32> {
+    let (rows, columns) = a.dim();
+    let mut means = Array2::zeros((rows / STEP_PX, columns / STEP_PX));
+    let share = 1.0 / (STEP_PX * STEP_PX) as f32;
+    for (i, (a, b)) in a.rows().into_iter().zip(b.rows()).enumerate().take(rows / STEP_PX * STEP_PX) {
+        for (j, (a, b)) in a.iter().zip(b).enumerate().take(columns / STEP_PX * STEP_PX) {
+            means[(i / STEP_PX, j / STEP_PX)] += share * a * b;
+        }
+    }
+    means
+}
+
+fn interpolate(map: &Array2<f32>, column: f32, row: f32) -> f32 {
+    let (rows, columns) = map.dim();
+    let (column, row) = (column.clamp(0.0, (columns - 1) as f32), row.clamp(0.0, (rows - 1) as f32));
+    let (c, r) = ((column as usize).min(columns - 2), (row as usize).min(rows - 2));
+    let (fc, fr) = (column - c as f32, row - r as f32);
+    let above = map[(r, c)] + fc * (map[(r, c + 1)] - map[(r, c)]);
+    let below = map[(r + 1, c)] + fc * (map[(r + 1, c + 1)] - map[(r + 1, c)]);
+    above + fr * (below - above)
+}
