@@ -23,6 +23,8 @@ pub mod image;
 pub mod motion;
 pub mod projection;
 pub mod psf;
+pub mod region;
+pub mod restore;
 pub mod spectrum;
 
 pub use error::{Error, Result};
