@@ -65,6 +65,26 @@ pub enum Error {
         /// Columns that it needs.
         need_cols: usize,
     },
+    /// A texture of a street has not the size of its background.
+    #[error("the texture is {other_cols}x{other_rows} pixels, the background {cols}x{rows}: both must have one size")]
+    StreetSize {
+        /// Rows of the background.
+        rows: usize,
+        /// Columns of the background.
+        cols: usize,
+        /// Rows of the texture.
+        other_rows: usize,
+        /// Columns of the texture.
+        other_cols: usize,
+    },
+    /// Two moving objects cross the same pixel, whose light then depends on which was there when.
+    #[error("two moving objects meet at row {row}, column {col}: place them further apart")]
+    MoversMeet {
+        /// Row of the first such pixel.
+        row: usize,
+        /// Column of the first such pixel.
+        col: usize,
+    },
     /// There is no poster of this number.
     #[error("there is no poster {poster}: they are numbered from 0 to {last}")]
     NoPoster {

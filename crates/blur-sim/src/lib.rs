@@ -25,9 +25,11 @@ pub mod expose;
 pub mod motion;
 pub mod rig;
 pub mod rng;
+pub mod rolling;
 pub mod sample;
 pub mod scene;
 pub mod sensor;
+pub mod street;
 mod tabulated;
 mod transform;
 

@@ -4,6 +4,7 @@
 use blur_core::estimate::AxialAngle;
 use blur_sim::Error;
 use blur_sim::motion::Motion;
+use blur_sim::rig::belt::SPEEDS_M_S;
 use blur_sim::rig::design::{FIXED_RELEASE_M, LENGTHS_PX};
 use blur_sim::rig::{Design, POSTERS, Preset, Rig, SCALE_M_PER_PX, SHOTS, STILLS, Setting, Shot, Studio};
 use ndarray::Array2;
@@ -311,4 +312,32 @@ fn impossible_rigs_are_refused() {
     assert!(matches!(slow.shots(Design::RandomRelease, 1), Err(Error::Parameter { .. })));
     assert_eq!(small().still(5, 0, 1), Err(Error::NoPoster { poster: 5, last: 4 }));
     assert!(small().still(0, usize::MAX, u64::MAX).is_ok());
+}
+
+#[test]
+fn a_pass_blurs_by_the_way_of_the_content_during_the_exposure() {
+    let rig = Rig::belt_driven();
+    for speed in SPEEDS_M_S {
+        let pass = rig.pass(0, 0, speed, AxialAngle::from_deg(20.0), 1).unwrap();
+        // v T = 0.1 s of it, in pixels of 0.7789 mm: 28.8 px at V0 to 77.3 px at V9.
+        assert!((pass.motion.length_px() - 0.1 * speed / 0.7789e-3).abs() < 1e-9, "{pass:?}");
+        assert_eq!(pass.motion.angle().deg(), 20.0);
+    }
+    assert!(matches!(rig.pass(5, 0, 0.5, AxialAngle::from_deg(0.0), 1), Err(Error::NoPoster { poster: 5, .. })));
+    assert!(rig.pass(0, 0, -0.5, AxialAngle::from_deg(0.0), 1).is_err());
+}
+
+#[test]
+fn passes_of_one_setting_differ_in_what_the_rig_cannot_hold() {
+    let rig = Rig { side_px: 72, ..Rig::belt_driven() };
+    let pass = |index, seed| rig.pass(1, index, 0.3, AxialAngle::from_deg(90.0), seed).unwrap();
+    let (one, other) = (pass(0, 1), pass(1, 1));
+    assert_eq!(one.motion, other.motion);
+    assert!(one.setting.gain != other.setting.gain && one.setting.noise_seed != other.setting.noise_seed);
+    assert_eq!(pass(0, 1), one);
+    assert_ne!(pass(0, 2).setting, one.setting);
+    let mut studio = Studio::new(&rig).unwrap();
+    let first = studio.passing(&one).unwrap();
+    assert_ne!(studio.passing(&other).unwrap(), first);
+    assert_eq!(studio.passing(&one).unwrap(), first);
 }

@@ -38,16 +38,20 @@
 //! # }
 //! ```
 //!
+//! [`belt`] is the experiment of chapter 5, at constant speed along any direction, with the same posters and light.
+//!
 //! [`Motion`]: crate::motion::Motion
 //!
 //! *Reference*: J. A. Cortes-Osorio, *A Contribution to the Estimation of Kinematic Quantities from Linear Motion Blurred
 //! Images*, thesis, sections 6.1.1, 6.3.2, 6.3.4 and table 6.1.
 
+pub mod belt;
 pub mod design;
 pub mod poster;
 pub mod shot;
 pub mod studio;
 
+pub use belt::Pass;
 pub use design::Design;
 pub use poster::{POSTERS, Poster};
 pub use shot::{Setting, Shot, Still};

@@ -133,7 +133,7 @@ impl Rig {
         })
     }
 
-    fn setting(&self, rng: &mut Rng) -> Setting {
+    pub(super) fn setting(&self, rng: &mut Rng) -> Setting {
         let mut within = |mean: f64, half_width: f64| rng.uniform_in(mean - half_width, mean + half_width);
         Setting {
             right_px: within(0.0, self.misalignment_px),

@@ -1,7 +1,7 @@
 //! Takes the pictures.
 
 use super::shot::check_poster;
-use super::{POSTERS, Rig, Setting, Shot, Still};
+use super::{POSTERS, Pass, Rig, Setting, Shot, Still};
 use crate::displaced::Displaced;
 use crate::expose::{Blur, Exposer};
 use crate::motion::Motion;
@@ -56,6 +56,14 @@ impl Studio {
     /// Those of [`photograph`](Self::photograph), [`Error::NoPoster`], and those of [`Shot::motion`].
     pub fn picture(&mut self, shot: &Shot) -> Result<Array2<u8>> {
         self.of_poster(shot.poster, &shot.motion()?, &shot.setting)
+    }
+
+    /// The picture of a pass at constant speed.
+    ///
+    /// # Errors
+    /// Those of [`photograph`](Self::photograph) and [`Error::NoPoster`].
+    pub fn passing(&mut self, pass: &Pass) -> Result<Array2<u8>> {
+        self.of_poster(pass.poster, &pass.motion, &pass.setting)
     }
 
     /// The picture of a still background.
