@@ -8,6 +8,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
 use blur_cli::reproduce::TABLES;
+use blur_core::estimate::registry::{ANGLE, JOINT, LENGTH};
 use blur_sim::scene::{DeadLeaves, dead_leaves};
 use common::{folder, number, png, stderr, stdout, write};
 use image::GrayImage;
@@ -55,6 +56,10 @@ fn mistakes_end_with_status_2_before_anything_is_measured() {
         "coverage efficiency",
         "coverage --method nonsense",
         "coverage --method dft-radon+nonsense",
+        "4.1 --method nonsense",
+        "4.1 --method dct-pseudo-cepstrum",
+        "5.3 --method dct-radon",
+        "4.4 --step 0",
         "coverage --per-level 0",
         "efficiency --fields -3",
         "coverage --step 0",
@@ -68,6 +73,7 @@ fn mistakes_end_with_status_2_before_anything_is_measured() {
         assert!(!stderr(&output).is_empty(), "{arguments}");
     }
     assert!(stderr(&reproduce(["nonsense"])).contains("coverage, efficiency, negatives"));
+    assert!(stderr(&reproduce(["4.1", "--method", "nonsense"])).contains("dct-radon"));
 }
 
 #[test]
@@ -169,4 +175,51 @@ fn negatives_counts_pictures_that_did_not_move() {
     let offenders: usize = rows.iter().map(|row| row["offenders"].as_array().unwrap().len()).sum();
     assert_eq!(offenders, pictures.iter().filter(|picture| picture["status"] == "ok").count());
     assert!(pictures.iter().all(|picture| picture["true_length_px"].is_null()));
+}
+
+#[test]
+fn every_method_answers_to_the_same_thinned_pictures() {
+    let images = pictures("reproduce-compare");
+    // Four pictures, one of which is too small, by 91 angles, one pair in 60.
+    let objects = objects(&reproduce(arguments("4.2 --step 60 --json --pictures", &images)));
+    let (rows, answers): (Vec<&Value>, Vec<&Value>) = objects.iter().partition(|object| object["image"].is_null());
+    let methods = ANGLE.len() + JOINT.len();
+    assert_eq!(rows.len(), 4 * methods);
+    let n = number(rows[0], "n") as usize;
+    assert!((4..=7).contains(&n), "{n}");
+    assert_eq!(answers.len(), 3 * methods * n);
+    for rows in rows.chunks(4) {
+        let [first, .., pooled] = rows else { unreachable!() };
+        assert_eq!((&first["level"], &pooled["level"]), (&"36 dB".into(), &"36-20 dB".into()));
+        assert_eq!(number(pooled, "n") as usize, 3 * n);
+        // The thesis states its errors over all noise.
+        assert!(first["thesis"].is_null() && (pooled["thesis"].is_null() || pooled["thesis_q1"].is_number()));
+        let own = answers.iter().filter(|answer| answer["method"] == pooled["method"]);
+        let mean = own.map(|answer| number(answer, "error").abs()).sum::<f64>() / (3 * n) as f64;
+        assert!((number(pooled, "mean") - mean).abs() < 1e-9, "{pooled}");
+    }
+    let truths: std::collections::BTreeSet<String> = answers.iter().map(|answer| answer["truth"].to_string()).collect();
+    assert_eq!(truths.len(), n, "every case has an angle of its own");
+}
+
+#[test]
+fn compared_methods_do_not_depend_on_each_other_or_on_the_threads() {
+    let images = pictures("reproduce-compare-threads");
+    let made = |options: &str| objects(&reproduce(arguments(&format!("4.4 --json {options}"), &images)));
+    let all = made("--step 60 --jobs 1");
+    assert_eq!(made("--step 60 --jobs 2"), all);
+    let one = made("--step 60 --method dct-pseudo-cepstrum");
+    assert_eq!(one.iter().collect::<Vec<_>>(), [&all[0]]);
+    assert_ne!(made("--step 30 --method dct-pseudo-cepstrum"), one);
+}
+
+#[test]
+fn compared_methods_are_drawn_side_by_side() {
+    let (images, plots) = (pictures("reproduce-compare-plots"), folder("reproduce-compare-svg"));
+    let line = format!("4.5 --step 100 --plots {}", plots.display());
+    assert_eq!(reproduce(arguments(&line, &images)).status.code(), Some(0));
+    for name in ["4.5-36dB.svg", "4.5-28dB.svg", "4.5-20dB.svg", "4.5-36-20dB.svg"] {
+        let drawn = std::fs::read_to_string(plots.join(name)).unwrap();
+        assert!(LENGTH.iter().all(|method| drawn.contains(method.name)), "{name}");
+    }
 }

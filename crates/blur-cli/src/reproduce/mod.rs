@@ -6,18 +6,38 @@
 //! [`pictures`] (sharp) → [`shots`] (blurred, recorded) → [`outcome`] (measured, beside the truth) → [`statistics`],
 //! [`cramer_rao`] → [`coverage`], [`efficiency`], [`negatives`] → [`report`] → [`boxplot`]. The table [`acceleration`] takes
 //! its pictures on a virtual rig.
+//!
+//! The tables of the thesis's chapters 4 and 5 compare all methods of the registries: [`pictures`] → [`protocol`], or the
+//! virtual rig → [`candidates`] → [`answer`] → [`accuracy`], beside the figures of the [`thesis`] → [`synthetic`],
+//! [`runtime`], [`slider`] → [`texture`], [`correlation`] → [`influence`], [`repeatability`]. Those of its chapter 7 cut their
+//! pictures: [`shots`] → `segments` → [`strips`].
 
 pub mod acceleration;
+pub mod accuracy;
+pub mod answer;
 pub mod boxplot;
+pub mod candidates;
+pub mod correlation;
 pub mod coverage;
 pub mod cramer_rao;
 pub mod efficiency;
+pub mod influence;
 pub mod negatives;
 pub mod outcome;
 pub mod pictures;
+pub mod protocol;
+pub mod repeatability;
 pub mod report;
+pub mod runtime;
+mod segments;
 pub mod shots;
+pub mod slider;
 pub mod statistics;
+pub mod strips;
+pub mod synthetic;
+pub mod texture;
+pub mod thesis;
+mod thinning;
 
 use std::fmt;
 use std::path::PathBuf;
@@ -26,6 +46,7 @@ use rayon::prelude::*;
 
 use crate::method::Method;
 use crate::{Error, Result};
+use answer::Measure;
 use outcome::Judge;
 use report::Report;
 
@@ -34,8 +55,10 @@ use report::Report;
 pub struct Plan {
     /// The data folder, or any folder of sharp pictures.
     pub images: PathBuf,
-    /// The method that is judged.
+    /// The method that is judged by a table of [`Judged::Method`].
     pub method: Method,
+    /// The only method of a table of [`Judged::All`], by its name; `None` for all.
+    pub only: Option<String>,
     /// Pictures at each level of noise (`coverage`).
     pub per_level: usize,
     /// Fields in each cell (`efficiency`).
@@ -53,12 +76,25 @@ impl Plan {
     }
 }
 
+/// Which methods a table judges.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Judged {
+    /// The one that is named, which finds angle and length.
+    Method,
+    /// All methods of the registries that measure this, or the one that is named.
+    All(Measure),
+    /// Those that it brings itself.
+    Own,
+}
+
 /// One table.
 pub struct Table {
     /// Name on the command line.
     pub name: &'static str,
     /// What it tells, in one line.
     pub summary: &'static str,
+    /// Which methods it judges.
+    pub judged: Judged,
     make: fn(&Plan) -> Result<Report>,
 }
 
@@ -92,23 +128,105 @@ impl fmt::Debug for Table {
 /// All tables.
 pub const TABLES: &[Table] = &[
     Table {
+        name: "4.1",
+        summary: "angles of clean pictures by all methods, beside the thesis",
+        judged: Judged::All(Measure::Angle),
+        make: synthetic::angles_clean,
+    },
+    Table {
+        name: "4.2",
+        summary: "angles of noisy pictures by all methods, beside the thesis",
+        judged: Judged::All(Measure::Angle),
+        make: synthetic::angles_noisy,
+    },
+    Table {
+        name: "4.3",
+        summary: "times of the angle methods, beside the thesis",
+        judged: Judged::All(Measure::Angle),
+        make: runtime::angles,
+    },
+    Table {
+        name: "4.4",
+        summary: "lengths of clean pictures by all methods, beside the thesis",
+        judged: Judged::All(Measure::Length),
+        make: synthetic::lengths_clean,
+    },
+    Table {
+        name: "4.5",
+        summary: "lengths of noisy pictures by all methods, beside the thesis",
+        judged: Judged::All(Measure::Length),
+        make: synthetic::lengths_noisy,
+    },
+    Table {
+        name: "4.6",
+        summary: "times of the length methods, beside the thesis",
+        judged: Judged::All(Measure::Length),
+        make: runtime::lengths,
+    },
+    Table {
+        name: "5.2",
+        summary: "angles on the rig of the thesis's chapter 5 by all methods, beside the thesis",
+        judged: Judged::All(Measure::Angle),
+        make: slider::angles,
+    },
+    Table {
+        name: "5.3",
+        summary: "speeds on that rig by all methods, beside the thesis",
+        judged: Judged::All(Measure::Speed),
+        make: slider::speeds,
+    },
+    Table {
+        name: "5.4.3",
+        summary: "what the errors of those speeds go together with: texture, brightness, speed",
+        judged: Judged::All(Measure::Speed),
+        make: influence::table,
+    },
+    Table {
+        name: "5.4.4",
+        summary: "spread of repeated pictures beside the uncertainty stated with each",
+        judged: Judged::All(Measure::Speed),
+        make: repeatability::table,
+    },
+    Table {
         name: "6.2",
         summary: "nineteen regressions, length alone and physics on the rig of the thesis's chapter 6",
+        judged: Judged::Own,
         make: acceleration::table,
+    },
+    Table {
+        name: "7.1",
+        summary: "errors of the length in segments 256 px wide and 256 to 2 px high",
+        judged: Judged::Own,
+        make: strips::heights,
+    },
+    Table {
+        name: "7.2",
+        summary: "least width of a segment in which the length is known to 1 %",
+        judged: Judged::Own,
+        make: strips::widths,
+    },
+    Table {
+        name: "edges",
+        summary: "errors of the length in segments with a soft and with a hard edge",
+        judged: Judged::Own,
+        make: strips::edges,
     },
     Table {
         name: "coverage",
         summary: "errors and stated uncertainties on photographs of any blur, by noise",
+        judged: Judged::Method,
         make: coverage::table,
     },
     Table {
         name: "efficiency",
         summary: "errors on Gaussian fields beside the Cramér-Rao bound",
+        judged: Judged::Method,
         make: efficiency::table,
     },
     Table {
         name: "negatives",
         summary: "sharp and defocused pictures that are taken for moved ones",
+        judged: Judged::Method,
         make: negatives::table,
     },
 ];

@@ -4,6 +4,7 @@ use std::fmt;
 
 use serde::Serialize;
 
+use super::answer::Answer;
 use super::outcome::Outcome;
 use super::statistics::{Interval, Summary};
 use crate::Result;
@@ -19,6 +20,8 @@ pub struct Report {
     pub rows: Vec<String>,
     /// Every picture, in an order that does not depend on the threads.
     pub outcomes: Vec<Outcome>,
+    /// Every picture by every method, in such an order, of tables that compare methods.
+    pub answers: Vec<Answer>,
     /// Pictures that are listed under the table in any case.
     pub listed: Vec<Outcome>,
     /// Absolute errors by level.
@@ -42,14 +45,14 @@ pub struct Row<T> {
     pub method: String,
     /// Level of noise, or kind of picture.
     pub level: String,
-    /// What is measured: `angle_deg` or `length_px`; absent where it is neither.
+    /// What is measured: `angle_deg`, `length_px` or another name with its unit; absent where it is none.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub quantity: Option<&'static str>,
     /// Pictures.
     pub n: usize,
     /// Pictures whose answer is called `ok`.
     pub n_ok: usize,
-    /// Absolute errors of the answers called `ok`: `mean`, `min`, `q1`, `median`, `q3`, `p90`, `max`.
+    /// Absolute errors, of the answers called `ok` unless the table says otherwise: `mean`, `min`, `q1`, `median`, `q3`, `p90`, `max`.
     #[serde(flatten)]
     pub errors: Option<Summary>,
     /// The thesis's mean.

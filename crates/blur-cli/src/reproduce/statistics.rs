@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 /// Quantile 0.975 of the normal distribution: the half width of 95 % intervals in standard deviations.
-const Z_95: f64 = 1.959_963_984_540_054;
+pub(super) const Z_95: f64 = 1.959_963_984_540_054;
 
 /// Quantile 0.95 of the chi-square distribution of two degrees of freedom, `-2 ln 0.05`: the squared radius of the
 /// ellipse that holds 95 % of a normal distribution in the plane.

@@ -59,6 +59,10 @@ fn print_json(args: &Args, report: &Report) -> Result<()> {
             let line = serde_json::to_string(outcome)?;
             writeln!(out, "{line}").map_err(Error::Write)?;
         }
+        for answer in &report.answers {
+            let line = serde_json::to_string(answer)?;
+            writeln!(out, "{line}").map_err(Error::Write)?;
+        }
     }
     Ok(())
 }
@@ -67,10 +71,12 @@ fn print_text(args: &Args, report: &Report) -> Result<()> {
     let mut out = io::stdout().lock();
     write!(out, "{}", report.text).map_err(Error::Write)?;
     let listed = if args.pictures { &report.outcomes } else { &report.listed };
-    if !listed.is_empty() {
+    let answers = if args.pictures { report.answers.as_slice() } else { &[] };
+    if !listed.is_empty() || !answers.is_empty() {
         writeln!(out).map_err(Error::Write)?;
     }
-    listed.iter().try_for_each(|outcome| writeln!(out, "{outcome}")).map_err(Error::Write)
+    listed.iter().try_for_each(|outcome| writeln!(out, "{outcome}")).map_err(Error::Write)?;
+    answers.iter().try_for_each(|answer| writeln!(out, "{answer}")).map_err(Error::Write)
 }
 
 fn complain(message: &str) {
