@@ -110,6 +110,16 @@ pub enum Error {
         /// What may be asked for.
         known: String,
     },
+    /// No method of this name measures what a table compares.
+    #[error("no method called '{name}' measures the {quantity}; known: {known}")]
+    NoCandidate {
+        /// The name asked for.
+        name: String,
+        /// What the table compares.
+        quantity: &'static str,
+        /// What may be asked for.
+        known: String,
+    },
     /// The method compares with sharp pictures, and none were given.
     #[error("the method '{method}' compares with sharp pictures of the scene: name them after --reference")]
     NeedsStills {
@@ -127,6 +137,14 @@ pub enum Error {
     /// The method does not fit the likelihood, so it cannot tell an acceleration.
     #[error("the method '{method}' cannot look for an acceleration; known: {known}")]
     NoAcceleration {
+        /// The method asked.
+        method: String,
+        /// Those that can.
+        known: String,
+    },
+    /// The method does not fit the likelihood, so it cannot weigh pixels.
+    #[error("the method '{method}' cannot measure the part that a mask marks; known: {known}")]
+    NoMask {
         /// The method asked.
         method: String,
         /// Those that can.
@@ -249,6 +267,26 @@ pub enum Error {
     /// A folder that is to be filled holds something.
     #[error("the folder is not empty: name one that is, or one that does not exist yet")]
     FolderNotEmpty,
+    /// Several restored pictures are to go into one file.
+    #[error("{inputs} pictures cannot be restored into the one file {}: name a folder that exists or ends in /", .path.display())]
+    RestoreFolder {
+        /// The file.
+        path: PathBuf,
+        /// Number of inputs.
+        inputs: usize,
+    },
+    /// A restored picture is to be written in a format that is not written.
+    #[error("restored pictures are written as .png or .tif; '{}' is neither, nor is it a folder that exists or ends in /", .path.display())]
+    RestoreFormat {
+        /// The file.
+        path: PathBuf,
+    },
+    /// A restored picture would take the place of an input.
+    #[error("the restored picture would overwrite the input {}: name another file or folder", .path.display())]
+    RestoreOverwrites {
+        /// The file.
+        path: PathBuf,
+    },
     /// The virtual rig refuses its settings.
     #[error(transparent)]
     Rig(#[from] blur_sim::Error),
@@ -285,11 +323,56 @@ pub enum Error {
     /// A plot, a picture or a table cannot be written.
     #[error("cannot be written: {0}")]
     Write(#[source] io::Error),
+    /// A picture cannot be encoded.
+    #[error("cannot be encoded: {0}")]
+    Encode(#[source] image::ImageError),
     /// A plot cannot be drawn.
     #[error("cannot be drawn: {reason}")]
     Plot {
         /// What the drawing library says.
         reason: String,
+    },
+    /// The report has no folder to go to.
+    #[error("this is a file: name a folder for the report, which may not exist yet")]
+    ReportIsFile,
+    /// A file that should describe a camera does not.
+    #[error("not the file of a camera: make one with the program calibrate")]
+    NotACamera,
+    /// The file of a camera is of a later version.
+    #[error("a camera of version {version}, known up to version {known}: read it with {program}")]
+    NewerCamera {
+        /// Its version.
+        version: u64,
+        /// Latest version that can be read.
+        known: u64,
+        /// The program that can.
+        program: String,
+    },
+    /// The file of a camera is not as it was written.
+    #[error("the camera is damaged: {reason}")]
+    CameraDamaged {
+        /// What is wrong.
+        reason: String,
+    },
+    /// Views of one camera have different sizes.
+    #[error("the picture is {width}x{height} pixels, the first was {first_width}x{first_height}: one camera, one size")]
+    ViewSize {
+        /// Columns of the picture as stored.
+        width: usize,
+        /// Rows.
+        height: usize,
+        /// Columns of the first picture.
+        first_width: usize,
+        /// Rows.
+        first_height: usize,
+    },
+    /// A list of points does not fit the board.
+    #[error("{found} points; the board has {expected}")]
+    PointCount {
+        /// Points in the list.
+        found: usize,
+        /// Points of the board.
+        expected: usize,
     },
     /// The worker threads could not be started.
     #[error("cannot start the worker threads: {0}")]

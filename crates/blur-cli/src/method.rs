@@ -85,6 +85,14 @@ impl Method {
         }
     }
 
+    /// Refuses a method that cannot measure the part that a mask marks.
+    pub fn check_mask(&self) -> Result<()> {
+        match &self.0 {
+            Choice::Joint(joint) if registry::WEIGHTED.contains(&joint.name) => Ok(()),
+            _ => Err(Error::NoMask { method: self.name(), known: registry::WEIGHTED.join(", ") }),
+        }
+    }
+
     /// A new estimator. The settings of a method that compares with sharp pictures are those it was made with.
     pub fn build(&self, settings: &Settings) -> Box<dyn JointEstimator> {
         match &self.0 {

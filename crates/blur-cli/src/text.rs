@@ -4,7 +4,11 @@ use std::fmt::Write;
 
 use blur_core::motion::COVERAGE_K;
 
-use crate::record::{ExposureSource, MetricAcceleration, NoSpeed, Record};
+use crate::picture::RowsRun;
+use crate::record::{
+    CameraFields, ExposureSource, FocalLengthSource, MapFields, MetricAcceleration, NoSpeed, ReadoutFields, Record,
+    RolledSpeedFields,
+};
 
 /// A record as two lines: the measurement, and how it came about; more for direction and acceleration if there are any.
 /// After `±` stands one standard uncertainty or, where `(k = 2)` follows, the expanded uncertainty.
@@ -29,6 +33,9 @@ pub fn from_record(record: &Record) -> String {
     if record.linearized {
         text.push_str(", linearized (sRGB)");
     }
+    if let Some(mask) = &record.mask {
+        let _ = write!(text, ", mask {mask}");
+    }
     if let Some(seconds) = record.exposure_s {
         let source = match record.exposure_source {
             Some(ExposureSource::Exif) => " (EXIF)",
@@ -38,11 +45,20 @@ pub fn from_record(record: &Record) -> String {
     }
     match record.no_speed {
         Some(NoSpeed::ScaleMissing) => text.push_str("; no speed: --scale is missing"),
+        Some(NoSpeed::DistanceMissing) => text.push_str("; no speed: --distance is missing"),
+        Some(NoSpeed::FocalLengthMissing) => {
+            text.push_str(
+                "; no angular rate: --camera is missing and the picture has no focal length in its EXIF data",
+            );
+        }
         Some(NoSpeed::ExposureMissing) => {
             text.push_str("; no speed: --exposure is missing and the picture has none in its EXIF data");
         }
         Some(NoSpeed::NoMotionBlur) => text.push_str("; no speed: no motion blur"),
         None => {}
+    }
+    if let Some(camera) = record.camera {
+        camera_line(&mut text, &camera);
     }
     if let Some(deg) = record.direction_deg {
         // The direction is as uncertain as its axis.
@@ -72,7 +88,126 @@ pub fn from_record(record: &Record) -> String {
             }
         }
     }
+    if let Some(readout) = &record.readout {
+        text.push_str(&from_readout(readout));
+    }
+    if let Some(map) = &record.map {
+        text.push_str(&from_map(map, record.readout.as_ref().map(|readout| readout.rows_run)));
+        if map.readout_ignored {
+            text.push_str("; readout of the rows ignored: --readout is missing");
+        }
+    }
+    if let (Some(path), Some(change)) = (&record.restored, record.sharpness_change) {
+        let _ = write!(text, "\n    restored to {path}, sharpness {change:+.2}");
+    }
     text
+}
+
+/// The speeds that a rolling shutter allows and how the speed changed meanwhile, as lines.
+fn from_readout(readout: &ReadoutFields) -> String {
+    let mut text = format!("\n    rolling shutter, readout {}", duration(readout.readout_s));
+    match rolled(&readout.speeds, readout.rows_run) {
+        Some(speeds) => text.push_str(&speeds),
+        None => text.push_str(": no speed to correct"),
+    }
+    if let Some(change) = &readout.change {
+        let expanded = COVERAGE_K * change.change_std_px_s2;
+        let value = with_uncertainty(change.change_px_s2, Some(expanded), 0);
+        let _ = write!(text, "\n    change of the speed during the readout {value} px/s2");
+        if let Some(metric) = change.metric {
+            let value = with_uncertainty(metric.change_m_s2, Some(metric.change_expanded_m_s2), 2);
+            let _ = write!(text, ", {value} m/s2");
+        }
+        let verdict = if change.significant { "significant" } else { "not significant" };
+        let _ = write!(text, " (k = {COVERAGE_K}), {verdict}");
+    }
+    if let Some(reason) = &readout.change_reason {
+        let _ = write!(text, "\n    no change of the speed during the readout: {reason}");
+    }
+    text
+}
+
+/// The speeds for either way; `None` when neither is known.
+fn rolled(speeds: &RolledSpeedFields, rows_run: RowsRun) -> Option<String> {
+    let RolledSpeedFields { speed_down_m_s, speed_up_m_s, .. } = *speeds;
+    speed_down_m_s.or(speed_up_m_s)?;
+    let [along, against] = rows_run.ways();
+    let either = [
+        (along, speed_down_m_s, speeds.speed_down_expanded_m_s),
+        (against, speed_up_m_s, speeds.speed_up_expanded_m_s),
+    ];
+    let mut text = String::new();
+    for (way, speed, expanded) in either {
+        let _ = match speed {
+            Some(speed) => {
+                let value = with_uncertainty(speed, expanded, decimals_of(speed, 4));
+                write!(text, "; {value} m/s (k = {COVERAGE_K}) if it moved {way}")
+            }
+            None => write!(text, "; it cannot have moved {way}"),
+        };
+    }
+    Some(text)
+}
+
+/// A map as a table of what moves.
+fn from_map(map: &MapFields, rows_run: Option<RowsRun>) -> String {
+    let ok = map.tiles.iter().filter(|tile| tile.blur.as_ref().is_some_and(|blur| blur.status == "ok")).count();
+    let mut text = format!(
+        "\n    map: {} tiles of {} px ({} ok); still {:.0} %, unknown {:.0} %, {} moving",
+        map.tiles.len(),
+        map.tile_px,
+        ok,
+        100.0 * map.still_share,
+        100.0 * map.unknown_share,
+        map.regions.len()
+    );
+    for region in &map.regions {
+        let blur = &region.blur;
+        let angle = with_uncertainty(blur.angle_deg, blur.angle_std_deg, 1);
+        let length = with_uncertainty(blur.length_px, blur.length_std_px, 1);
+        let _ = write!(
+            text,
+            "\n    {:>3}  at {:.0},{:.0}  {} px  angle {angle} deg  length {length} px",
+            region.label, region.centroid_x, region.centroid_y, region.area_px
+        );
+        if let Some(speed) = region.speed_m_s {
+            let value = with_uncertainty(speed, region.speed_expanded_m_s, decimals_of(speed, 4));
+            let _ = write!(text, "  speed {value} m/s (k = {COVERAGE_K})");
+        }
+        let _ = write!(text, "  {}", blur.status);
+        if let Some(speeds) = region.rolled.zip(rows_run).and_then(|(speeds, rows_run)| rolled(&speeds, rows_run)) {
+            text.push_str(&speeds);
+        }
+    }
+    text
+}
+
+/// What the camera adds, on a line of its own.
+fn camera_line(text: &mut String, camera: &CameraFields) {
+    let (source, focal) = match camera.focal_length_source {
+        FocalLengthSource::Camera => {
+            ("camera", with_uncertainty(camera.focal_length_px, Some(camera.focal_length_std_px), 1))
+        }
+        FocalLengthSource::Exif => {
+            ("rough, from EXIF", with_uncertainty(camera.focal_length_px, Some(camera.focal_length_std_px), 0))
+        }
+    };
+    let CameraFields { angle_deg, length_px, .. } = camera;
+    let _ = write!(
+        text,
+        "\n    without distortion: angle {angle_deg:.2} deg, length {length_px:.2} px; focal length {focal} px ({source})"
+    );
+    if let Some(scale) = camera.scale_m_per_px {
+        let scale = with_uncertainty(1e3 * scale, camera.scale_std_m_per_px.map(|std| 1e3 * std), 4);
+        let _ = write!(text, "; scale {scale} mm/px");
+    }
+    if let Some(rate) = camera.rate {
+        let value = with_uncertainty(rate.value_rad_s, rate.expanded_rad_s, decimals_of(rate.value_rad_s, 4));
+        let _ = write!(text, "\n    angular rate {value} rad/s");
+        if rate.expanded_rad_s.is_some() {
+            let _ = write!(text, " (k = {COVERAGE_K})");
+        }
+    }
 }
 
 /// A value to as many decimals as its uncertainty has with two significant digits (GUM 7.2.6), or to `decimals`
@@ -88,11 +223,22 @@ pub fn with_uncertainty(value: f64, uncertainty: Option<f64>, decimals: usize) -
 }
 
 /// Decimals that show `digits` significant digits of `x`.
-fn decimals_of(x: f64, digits: i32) -> usize {
+pub(crate) fn decimals_of(x: f64, digits: i32) -> usize {
     // Scientific notation rounds first: 0.0996 with two digits is 1.0e-1.
     let scientific = format!("{:.*e}", usize::try_from(digits - 1).unwrap_or(0), x);
     let exponent: i32 = scientific.split_once('e').and_then(|(_, e)| e.parse().ok()).unwrap_or(0);
     usize::try_from((digits - 1 - exponent).clamp(0, 12)).unwrap_or(0)
+}
+
+/// So many significant digits, without zeros at the end; with a power of ten where plain digits would be many.
+pub(crate) fn significant(x: f64, digits: usize) -> String {
+    if x == 0.0 || !x.is_finite() {
+        return x.to_string();
+    }
+    let scientific = format!("{x:.*e}", digits.saturating_sub(1));
+    // The rounded number, whose shortest text has no digits that were rounded away.
+    let rounded: f64 = scientific.parse().unwrap_or(x);
+    if (1e-4..1e7).contains(&rounded.abs()) { rounded.to_string() } else { format!("{rounded:e}") }
 }
 
 /// A time in the unit that people use for it.
@@ -124,6 +270,20 @@ mod tests {
     }
 
     #[test]
+    fn significant_digits_are_counted_from_the_first() {
+        for (x, digits, text) in [
+            (0.001_234_56, 3, "0.00123"),
+            (123_456.0, 2, "120000"),
+            (1.5e-7, 2, "1.5e-7"),
+            (0.0, 3, "0"),
+            (2.0, 4, "2"),
+            (-0.099_96, 3, "-0.1"),
+        ] {
+            assert_eq!(significant(x, digits), text);
+        }
+    }
+
+    #[test]
     fn a_time_is_written_as_people_say_it() {
         for (seconds, text) in [(0.1, "100 ms"), (0.004, "4 ms"), (1.0 / 30.0, "33.33 ms"), (2.5, "2.5 s")] {
             assert_eq!(duration(seconds), text);
@@ -139,17 +299,11 @@ mod tests {
             width: 640,
             height: 480,
             method: "x+y".to_owned(),
-            linearized: false,
             angle_deg: 93.51,
             angle_std_deg: Some(0.41),
-            direction_deg: None,
             length_px: 30.84,
             length_std_px: Some(0.25),
-            correlation: None,
             status: "ok",
-            reason: None,
-            acceleration: None,
-            evidence: None,
             exposure_s: Some(0.01),
             exposure_source: Some(ExposureSource::Exif),
             speed_m_s: Some(0.1234),
@@ -157,8 +311,7 @@ mod tests {
             speed_expanded_m_s: Some(0.0012),
             coverage_k: Some(2.0),
             time_ms: 12.34,
-            no_speed: None,
-            note: None,
+            ..Record::default()
         };
         assert_eq!(
             from_record(&record),

@@ -13,6 +13,9 @@ const TIME: &[(&str, f64)] = &[("ms", 1e3), ("us", 1e6), ("µs", 1e6), ("μs", 1
 const SCALE: &[(&str, f64)] =
     &[("mm/px", 1e3), ("cm/px", 1e2), ("um/px", 1e6), ("µm/px", 1e6), ("μm/px", 1e6), ("m/px", 1.0)];
 
+/// Units of length; a number is divided by the second entry to give metres. Longer suffixes stand first.
+const LENGTH: &[(&str, f64)] = &[("mm", 1e3), ("cm", 1e2), ("um", 1e6), ("µm", 1e6), ("μm", 1e6), ("m", 1.0)];
+
 /// Seconds of a time such as `100ms`, `0.1 s`, `1/250s` or `250us`; at least 0.
 ///
 /// ```
@@ -35,6 +38,39 @@ pub fn metres_per_pixel(text: &str) -> Result<f64> {
         quantity: "a scale",
         units: names(SCALE),
         example: "0.7789mm/px or 1e-3m/px",
+    })
+}
+
+/// Units of the sides of a board: those of length, and inches.
+const SIDE: &[(&str, f64)] =
+    &[("mm", 1e3), ("cm", 1e2), ("um", 1e6), ("µm", 1e6), ("μm", 1e6), ("m", 1.0), ("in", 1.0 / 0.0254)];
+
+/// Metres of a side of a calibration board such as `25mm` or `0.5in`; at least 0.
+pub fn side_metres(text: &str) -> Result<f64> {
+    quantity(text, SIDE).ok_or_else(|| Error::Quantity {
+        text: text.to_owned(),
+        quantity: "a length",
+        units: names(SIDE),
+        example: "25mm or 0.5in",
+    })
+}
+
+/// Columns and rows written `9x6`.
+pub fn columns_and_rows(text: &str) -> Result<(usize, usize)> {
+    let numbers = text.split_once(['x', 'X']).and_then(|(a, b)| Some((a.trim().parse().ok()?, b.trim().parse().ok()?)));
+    numbers.filter(|&(columns, rows)| columns > 0 && rows > 0).ok_or_else(|| Error::Numbers {
+        text: text.to_owned(),
+        expected: "columns and rows COLUMNSxROWS, for example 9x6",
+    })
+}
+
+/// Metres of a length such as `1.21m` or `25 mm`; at least 0.
+pub fn metres(text: &str) -> Result<f64> {
+    quantity(text, LENGTH).ok_or_else(|| Error::Quantity {
+        text: text.to_owned(),
+        quantity: "a length",
+        units: names(LENGTH),
+        example: "1.21m or 25mm",
     })
 }
 
@@ -104,6 +140,26 @@ mod tests {
     fn scales_have_units() {
         for (text, expected) in [("0.7789mm/px", 0.7789e-3), ("1e-3m/px", 1e-3), ("0.8 m/px", 0.8), ("5um/px", 5e-6)] {
             assert!((metres_per_pixel(text).unwrap() - expected).abs() < 1e-18, "{text}");
+        }
+    }
+
+    #[test]
+    fn boards_have_sides_in_inches_too_and_whole_columns() {
+        assert!((side_metres("0.5in").unwrap() - 0.0127).abs() < 1e-15);
+        assert!((side_metres("25mm").unwrap() - 0.025).abs() < 1e-15);
+        assert_eq!(columns_and_rows("9x6").unwrap(), (9, 6));
+        for text in ["9", "9x", "x6", "0x6", "9x-1", "9.5x6", "9x6x2"] {
+            assert!(columns_and_rows(text).is_err(), "{text}");
+        }
+    }
+
+    #[test]
+    fn lengths_have_units() {
+        for (text, expected) in [("1.21m", 1.21), ("25 mm", 0.025), ("3cm", 0.03), ("5um", 5e-6)] {
+            assert!((metres(text).unwrap() - expected).abs() < 1e-15, "{text}");
+        }
+        for text in ["1.21", "1km", "-1m", "m"] {
+            assert!(metres(text).is_err(), "{text}");
         }
     }
 

@@ -1,6 +1,7 @@
 //! Picture files as grey values.
 
 mod format;
+mod frame;
 mod luma;
 mod orientation;
 
@@ -14,6 +15,7 @@ use tiff::ColorType;
 use tiff::decoder::{Decoder, DecodingResult};
 
 pub use format::Format;
+pub use frame::{RowsRun, StoredFrame};
 
 use crate::exif::Exif;
 use crate::{Error, Result};
@@ -51,14 +53,28 @@ pub struct Picture {
     /// linear and keep their scale, with NaN and infinities if there are any. Alpha is ignored: the colour counts as
     /// it is stored.
     pub luma: Array2<f32>,
+    /// The samples as they are stored, upright; `None` for grey floats, which [`luma`](Self::luma) holds.
+    pub stored: Option<DynamicImage>,
     /// Whether the tone curve was undone.
     pub linearized: bool,
     /// What the camera wrote.
     pub exif: Exif,
 }
 
+impl Picture {
+    /// Where its points are among the pixels as stored.
+    pub fn stored_frame(&self) -> StoredFrame {
+        StoredFrame::new(self.exif.orientation, self.luma.dim())
+    }
+}
+
 /// Reads a picture file in PNG, JPEG or TIFF format, which its content tells and not its name.
 pub fn read(path: &Path, linearize: Linearize) -> Result<Picture> {
+    decode(&load(path)?, linearize)
+}
+
+/// The content of a picture file, whose first bytes say that it is one.
+pub fn load(path: &Path) -> Result<Vec<u8>> {
     let mut file = File::open(path).map_err(Error::Read)?;
     let mut bytes = Vec::new();
     file.by_ref().take(format::SIGNATURE_BYTES as u64).read_to_end(&mut bytes).map_err(Error::Read)?;
@@ -68,7 +84,7 @@ pub fn read(path: &Path, linearize: Linearize) -> Result<Picture> {
     if bytes.len() as u64 > MAX_FILE_BYTES {
         return Err(Error::FileTooLarge { limit: MAX_FILE_BYTES });
     }
-    decode(&bytes, linearize)
+    Ok(bytes)
 }
 
 /// Decodes the content of a picture file. A header that announces more than [`MAX_PIXELS`] or [`MAX_BYTES`] is refused
@@ -84,20 +100,23 @@ pub fn decode(bytes: &[u8], linearize: Linearize) -> Result<Picture> {
         Linearize::On => true,
         Linearize::Off => false,
     };
-    let (stored, linearized) = decode_luma(bytes, format, linear)?;
-    Ok(Picture { luma: orientation::upright(stored, exif.orientation), linearized, exif })
+    let (grey, mut stored, linearized) = decode_pixels(bytes, format, linear)?;
+    if let Some(stored) = &mut stored {
+        stored.apply_orientation(exif.orientation);
+    }
+    Ok(Picture { luma: orientation::upright(grey, exif.orientation), stored, linearized, exif })
 }
 
-/// Grey values as they are stored, and whether their tone curve was undone: floats have none.
-fn decode_luma(bytes: &[u8], format: Format, linear: bool) -> Result<(Array2<f32>, bool)> {
+/// Grey values, samples, both as they lie in the file, and whether the tone curve was undone: floats have none.
+fn decode_pixels(bytes: &[u8], format: Format, linear: bool) -> Result<(Array2<f32>, Option<DynamicImage>, bool)> {
     if format == Format::Tiff
         && let Some(stored) = decode_grey_float(bytes)?
     {
-        return Ok((stored, false));
+        return Ok((stored, None, false));
     }
     let decoded = decode_samples(bytes)?;
     let is_float = matches!(decoded, DynamicImage::ImageRgb32F(_) | DynamicImage::ImageRgba32F(_));
-    Ok((luma::luma(&decoded, linear)?, linear && !is_float))
+    Ok((luma::luma(&decoded, linear)?, Some(decoded), linear && !is_float))
 }
 
 fn decode_samples(bytes: &[u8]) -> Result<DynamicImage> {

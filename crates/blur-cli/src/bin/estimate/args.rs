@@ -4,14 +4,15 @@ use std::fmt::Write;
 use std::num::NonZeroUsize;
 use std::path::PathBuf;
 
-use blur_cli::measure::Options;
+use blur_cli::measure::{Options, RestoreTo};
 use blur_cli::method::Method;
 use blur_cli::picture::Linearize;
-use blur_cli::{Error, Result, stills, units};
+use blur_cli::{Error, Result, camera, stills, units};
 use blur_core::camera::Scale;
 use blur_core::estimate::{AxialAngle, LengthRange, Settings, registry};
 use blur_core::image::{Region, Window};
 use blur_core::motion::Exposure;
+use blur_core::restore;
 use clap::{Parser, ValueEnum};
 use metrology::Measurement;
 
@@ -95,6 +96,47 @@ pub(crate) struct Args {
     #[arg(long, value_name = "SCALE", help_heading = "Speed", value_parser = units::metres_per_pixel, requires = "scale")]
     scale_u: Option<f64>,
 
+    /// Camera file of the program calibrate, instead of --scale; with --distance
+    #[arg(long, value_name = "CAMERA.json", help_heading = "Speed", conflicts_with = "scale")]
+    camera: Option<PathBuf>,
+
+    /// Distance from the camera to the plane of the motion, for instance 1.21m
+    #[arg(long, value_name = "LENGTH", help_heading = "Speed", value_parser = units::metres, requires = "camera")]
+    distance: Option<f64>,
+
+    /// Standard uncertainty of the distance [default: none, the distance is taken as exact]
+    #[arg(long, value_name = "LENGTH", help_heading = "Speed", value_parser = units::metres, requires = "distance")]
+    distance_u: Option<f64>,
+
+    /// The camera turned and the scene stood still: report the angular rate; the focal length comes from --camera or,
+    /// roughly, from the EXIF data
+    #[arg(long, help_heading = "Speed", conflicts_with_all = ["scale", "distance"])]
+    rotating: bool,
+
+    /// Time that the sensor takes to read all its rows (rolling shutter), for instance 20ms
+    #[arg(long, value_name = "TIME", help_heading = "Speed", value_parser = units::seconds)]
+    readout: Option<f64>,
+
+    /// Also measure the blur in half-overlapping tiles of this many pixels, and find what stands still and what moves
+    #[arg(long, value_name = "TILE", help_heading = "Picture")]
+    map: Option<NonZeroUsize>,
+
+    /// Measure only where this picture is white; grey counts in part
+    #[arg(long, value_name = "MASK", help_heading = "Picture", conflicts_with = "roi")]
+    mask: Option<PathBuf>,
+
+    /// Write the picture without its blur; for several inputs name a folder
+    #[arg(long, value_name = "OUT.png", help_heading = "Output")]
+    restore: Option<PathBuf>,
+
+    /// How to restore [default: wiener]
+    #[arg(long, value_name = "NAME", help_heading = "Output", requires = "restore")]
+    restore_method: Option<RestoreName>,
+
+    /// Write report.html with all figures into this folder
+    #[arg(long, value_name = "DIR", help_heading = "Output")]
+    report: Option<PathBuf>,
+
     /// One JSON object a line on standard output, in the order of the inputs
     #[arg(long, help_heading = "Output")]
     pub(crate) json: bool,
@@ -115,6 +157,12 @@ enum LinearizeWhen {
     Auto,
     On,
     Off,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum RestoreName {
+    Wiener,
+    RichardsonLucy,
 }
 
 impl Args {
@@ -145,6 +193,9 @@ impl Args {
         if self.accel {
             method.check_acceleration()?;
         }
+        if self.mask.is_some() {
+            method.check_mask()?;
+        }
         let exposure_std_s = self.exposure_u.unwrap_or(0.0);
         if let Some(seconds) = self.exposure {
             Exposure::new(Measurement::new(seconds, exposure_std_s)?)?;
@@ -153,7 +204,34 @@ impl Args {
             Some(m_per_px) => Some(Scale::new(Measurement::new(m_per_px, self.scale_u.unwrap_or(0.0))?)?),
             None => None,
         };
-        Ok(Options { method, settings, roi: self.roi, linearize, exposure_s: self.exposure, exposure_std_s, scale })
+        let distance_m = match self.distance {
+            Some(metres) => Some(Measurement::new(metres, self.distance_u.unwrap_or(0.0))?),
+            None => None,
+        };
+        let restore = self.restore.clone().map(|path| RestoreTo {
+            path,
+            method: match self.restore_method {
+                None | Some(RestoreName::Wiener) => restore::Method::Wiener,
+                Some(RestoreName::RichardsonLucy) => restore::Method::RichardsonLucy,
+            },
+        });
+        Ok(Options {
+            method,
+            settings,
+            roi: self.roi,
+            linearize,
+            exposure_s: self.exposure,
+            exposure_std_s,
+            scale,
+            camera: self.camera.as_deref().map(camera::file::read).transpose()?,
+            distance_m,
+            rotating: self.rotating,
+            readout_s: self.readout,
+            mask: self.mask.clone(),
+            map_tile_px: self.map.map(NonZeroUsize::get),
+            restore,
+            report: self.report.clone(),
+        })
     }
 }
 
@@ -209,11 +287,20 @@ What is measured:
           including 180; one picture cannot tell a motion from its opposite
   length  distance in pixels that a point of the scene moved across the
           picture during the exposure
-  speed   scale * length / exposure, in m/s
+  speed   scale * length / exposure, in m/s; with --camera and --distance the
+          scale is that of the middle of the region along the blur, for a motion
+          parallel to the sensor at that distance along the optical axis
   ratio   with --accel, how strongly the motion accelerated: 0 for a uniform
           motion, 1 for one that starts or ends at rest; one picture cannot
           tell speeding up from slowing down; with exposure and scale also
           the acceleration 2 * ratio * speed / exposure, in m/s2
+  With --camera (a file of the program calibrate) also angle and length in a
+  picture without distortion and with square pixels; angle and length stay those
+  of the picture. One of another size but the same shape is taken as resampled.
+  With --rotating also
+  rate    angular rate of the camera in rad/s before a scene that stands still,
+          about an axis perpendicular to the ray through the middle of the
+          region; from --camera or, to 3 or 5 % at best, from EXIF data
   With --reference also
   direction  where the content of the picture moved, from 0 up to 360, when one
           end of its path is where the sharp pictures show it; the ratio then
@@ -242,7 +329,11 @@ JSON fields (--json), absent when not computed:
   accel_ratio_std accel_ratio_limit accel_detected accel_m_s2
   accel_std_m_s2 accel_expanded_m_s2 accel_limit_m_s2 gain_per_bin
   rival_share incoherent_share misfit band_cycles_per_px exposure_s
-  exposure_source speed_m_s speed_std_m_s speed_expanded_m_s coverage_k time_ms
+  exposure_source angle_undistorted_deg length_undistorted_px focal_length_px
+  focal_length_std_px focal_length_source scale_m_per_px scale_std_m_per_px
+  angular_rate_rad_s angular_rate_std_rad_s angular_rate_expanded_rad_s
+  speed_m_s speed_std_m_s speed_expanded_m_s coverage_k map readout restored
+  sharpness_change time_ms
   accel_ratio_limit and accel_limit_m_s2 are the least ratio and acceleration
   that count as detected.
   gain_per_bin is the gain in log-likelihood over no blur for each bin of
@@ -250,6 +341,21 @@ JSON fields (--json), absent when not computed:
   one, incoherent_share the share of light that does not follow the motion,
   misfit the mean squared residual of the spectrum (1: as expected), and
   band_cycles_per_px the highest frequency used.
+  restored is the file of --restore, and sharpness_change the gain in the
+  logarithm of the kurtosis of the derivative along the motion from undoing the
+  blur: below 0 the picture became no sharper, and the blur may be wrong.
+  map holds tile_px step_px window tiles regions still_share unknown_share
+  readout_ignored (true without --readout); its tiles and regions hold the
+  blur under the names above, regions also label kind area_px centroid_x
+  centroid_y and the speed. Positions are pixels of the whole picture.
+  readout holds readout_s rows_run and the speeds if the content moved down or
+  up the rows as stored: speed_down_m_s speed_down_expanded_m_s speed_up_m_s
+  speed_up_expanded_m_s; regions of a map hold them too. rows_run says which
+  way down is in the upright picture: down, up, left or right. It supposes that
+  the picture shows all rows of the sensor. With --map also the change of the
+  speed from the first row to the last, from the tiles that are ok:
+  change_px_s2 change_std_px_s2 change_tiles change_m_s2 change_std_m_s2
+  change_expanded_m_s2 change_significance significant, or change_reason.
   time_ms is the time of the estimator alone, without reading the file.
   A picture that failed gives image and error.
 

@@ -2,6 +2,7 @@
 
 mod args;
 
+use std::env;
 use std::io::{self, IsTerminal, Write};
 use std::num::NonZeroUsize;
 use std::ops::ControlFlow;
@@ -9,7 +10,10 @@ use std::process::ExitCode;
 use std::thread;
 
 use blur_cli::input::{self, Input};
+use blur_cli::measure::Finding;
 use blur_cli::record::{self, Record};
+use blur_cli::report::Report;
+use blur_cli::restore::target;
 use blur_cli::{Error, pipeline, sample, text};
 use clap::error::ErrorKind;
 use clap::{CommandFactory, Parser};
@@ -29,11 +33,19 @@ fn main() -> ExitCode {
     } else {
         input::expand(&args.inputs)
     };
+    if let Some(Err(error)) = options.restore.as_ref().map(|to| target::targets(&inputs, &to.path)) {
+        Args::command().error(ErrorKind::ValueValidation, error.one_line()).exit();
+    }
+    let report = match options.report.as_deref().map(|folder| Report::new(folder, command())).transpose() {
+        Ok(report) => report,
+        Err(error) => Args::command().error(ErrorKind::ValueValidation, error.one_line()).exit(),
+    };
     let jobs = args.jobs.or_else(|| thread::available_parallelism().ok()).unwrap_or(NonZeroUsize::MIN);
-    let mut output = Output { json: args.json, bar: progress_bar(inputs.len()), failed: false };
+    let mut output = Output { json: args.json, bar: progress_bar(inputs.len()), report, failed: false };
     let finished = pipeline::run(&inputs, &options, jobs, |input, outcome| output.report(&input.name(), outcome));
     output.bar.finish_and_clear();
-    if let Err(error) = finished {
+    for error in [finished.err(), output.report.as_ref().and_then(|report| report.write().err())].into_iter().flatten()
+    {
         complain(&error.one_line());
         output.failed = true;
     }
@@ -44,12 +56,17 @@ fn main() -> ExitCode {
 struct Output {
     json: bool,
     bar: ProgressBar,
+    report: Option<Report>,
     failed: bool,
 }
 
 impl Output {
-    fn report(&mut self, image: &str, outcome: Result<&Record, &Error>) -> ControlFlow<()> {
+    fn report(&mut self, image: &str, outcome: Result<&Finding, &Error>) -> ControlFlow<()> {
         self.failed |= outcome.is_err();
+        if let Some(report) = &mut self.report {
+            report.add(image, outcome);
+        }
+        let outcome = outcome.map(|finding| &finding.record);
         let written = self.bar.suspend(|| {
             match outcome {
                 Ok(Record { note: Some(note), .. }) => complain(&format!("{image}: note: {note}")),
@@ -80,6 +97,11 @@ fn write_result(json: bool, image: &str, outcome: Result<&Record, &Error>) -> io
         writeln!(out, "{}", text::from_record(record))?;
     }
     out.flush()
+}
+
+/// The command line as it was given.
+fn command() -> Vec<String> {
+    env::args_os().map(|word| word.to_string_lossy().into_owned()).collect()
 }
 
 fn complain(message: &str) {
