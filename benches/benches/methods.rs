@@ -4,13 +4,17 @@ use std::error::Error;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant, SystemTime};
 
-use blur_benches::{ANGLE_DEG, FFT, Id, Timing, blurred_frame, blurred_picture, median_ns, sharp_picture, table};
+use blur_benches::{
+    ANGLE_DEG, FFT, Id, LENGTH_PX, Timing, blurred_frame, blurred_picture, median_ns, sharp_picture, table,
+};
 use blur_core::Result;
 use blur_core::estimate::joint::{Stage, Whittle};
 use blur_core::estimate::{AxialAngle, JointEstimator, Pair, Settings, registry};
+use blur_core::region::{TileEstimator, TilePlan, measure_tiles, segment};
+use blur_core::restore::{LineBlur, Method, Restorer};
 use blur_core::spectrum::Dft2;
 use criterion::{BenchmarkId, Criterion};
-use ndarray::ArrayView2;
+use ndarray::{Array2, ArrayView2};
 
 const SIDES: [usize; 3] = [256, 512, 1024];
 
@@ -48,6 +52,8 @@ fn main() -> std::result::Result<(), Box<dyn Error>> {
 
 /// Rows and columns of a camera's frame.
 const FRAME: (usize, usize) = (1440, 1920);
+/// Side of the tiles of a map.
+const TILE_PX: usize = 128;
 /// Pictures that the stages are timed on.
 const STAGE_RUNS: u32 = 30;
 
@@ -129,6 +135,17 @@ fn time_all(criterion: &mut Criterion, picture: ArrayView2<'_, f32>, still: Arra
         let mut estimator = method.build(&[still], &settings)?;
         bench.time("joint", method.name, || estimator.estimate(picture))?;
     }
+    let blur = LineBlur::uniform(LENGTH_PX, ANGLE_DEG)?;
+    let mut scene = Array2::zeros(picture.dim());
+    for (name, method) in [("wiener", Method::Wiener), ("richardson-lucy", Method::RichardsonLucy)] {
+        let mut restorer = Restorer::new(picture.dim(), &blur, method)?;
+        bench.time("restore", name, || restorer.restore(picture, scene.view_mut()))?;
+    }
+    let plan = TilePlan::new(picture.dim(), TILE_PX)?;
+    let mut estimator = TileEstimator::new(plan, &settings)?;
+    bench.time("map", "tiles", || (0..plan.len()).try_for_each(|tile| estimator.estimate(picture, tile).map(drop)))?;
+    let tiles = measure_tiles(picture, plan, &settings)?;
+    bench.time("map", "segments", || segment(picture, &tiles, &settings))?;
     Ok(bench.ids)
 }
 

@@ -13,7 +13,7 @@ pub const FFT: &str = "fft";
 /// One benchmark: `kind/method/side`.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Id {
-    /// `fft`, `angle`, `length`, `pair` or `joint`.
+    /// `fft`, `angle`, `length`, `pair`, `joint` or `restore`.
     pub kind: &'static str,
     /// Name of the method.
     pub method: String,

@@ -1,4 +1,4 @@
-//! What the end-to-end tests and the accuracy tables share: the measured data and the protocol.
+//! What the end-to-end tests and the accuracy tables share: the measured data and the programs.
 
 pub mod data;
-pub mod protocol;
+pub mod program;

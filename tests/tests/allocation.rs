@@ -4,6 +4,7 @@
 use allocation_counter::measure;
 use blur_core::estimate::registry::{ANGLE, JOINT, LENGTH, REFERENCE};
 use blur_core::estimate::{AxialAngle, JointEstimator, KnownAngle, Pair, Settings};
+use blur_core::restore::{LineBlur, Method, Restorer};
 use blur_sim::expose::expose_padded;
 use blur_sim::motion::Motion;
 use blur_sim::rng::Rng;
@@ -151,6 +152,27 @@ fn a_known_angle_allocates_nothing_at_all() {
         let (found, count) = allocations(|| pair.estimate(picture.view()));
         found.unwrap();
         assert_eq!(count, 0);
+    }
+}
+
+#[test]
+fn restoring_allocates_only_for_the_first_channel() {
+    for dim in [(96, 96), (75, 93), (101, 67)] {
+        let pictures = pictures(dim);
+        let blur = LineBlur::uniform(12.5, 37.0).unwrap();
+        let mut scene = Array2::zeros(dim);
+        for method in [Method::Wiener, Method::RichardsonLucy] {
+            let mut restorer = Restorer::new(dim, &blur, method).unwrap();
+            // The first channel is learnt from.
+            let (first, count) = allocations(|| restorer.restore(pictures[0].view(), scene.view_mut()));
+            first.unwrap();
+            assert!(count > 0, "{method:?} {dim:?}");
+            for (i, picture) in pictures.iter().enumerate() {
+                let (restored, count) = allocations(|| restorer.restore(picture.view(), scene.view_mut()));
+                restored.unwrap();
+                assert_eq!(count, 0, "{method:?} {dim:?} picture {i}");
+            }
+        }
     }
 }
 

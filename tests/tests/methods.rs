@@ -154,6 +154,7 @@ fn dft_radon_finds_every_length() {
 fn whittle_finds_every_blur() {
     // 0.1 degrees move the end of the longer blur by 0.06 pixels.
     assert_blurs("whittle", |_| 0.1, |_| 0.1);
+    assert_lengths("whittle", |_| 0.1);
 }
 
 #[test]
@@ -194,7 +195,7 @@ fn every_method_has_a_bound_here() {
     let angles: Vec<_> = ANGLE.iter().map(|method| method.name).collect();
     assert_eq!(angles, ["dft-radon", "dct-radon", "dct-hough", "dft-hough", "dft-cepstrum", "dft-gabor"]);
     let lengths: Vec<_> = LENGTH.iter().map(|method| method.name).collect();
-    assert_eq!(lengths, ["dct-pseudo-cepstrum", "autocorrelation", "dft-cepstrum", "dft-radon"]);
+    assert_eq!(lengths, ["dct-pseudo-cepstrum", "autocorrelation", "dft-cepstrum", "dft-radon", "whittle"]);
     let joint: Vec<_> = JOINT.iter().map(|method| method.name).collect();
     assert_eq!(joint, ["whittle", "phase-autocorrelation"]);
 }

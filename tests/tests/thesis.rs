@@ -4,7 +4,7 @@
 
 use std::env;
 use std::io::{BufRead, BufReader};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::{Child, Command, Stdio};
 
 use blur_core::estimate::AxialAngle;
@@ -12,6 +12,7 @@ use blur_sim::expose::expose;
 use blur_sim::motion::Motion;
 use blur_sim::scene::{DeadLeaves, dead_leaves};
 use blur_sim::sensor::Sensor;
+use e2e_tests::program;
 use serde_json::Value;
 
 /// Speeds of table 5.1, m/s: the presets of `slider simulate`.
@@ -33,26 +34,9 @@ impl Drop for Slider {
     }
 }
 
-/// The root of the project.
-fn root() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
-}
-
-/// A program of the project, which is built if need be.
-fn program(package: &str, name: &str) -> PathBuf {
-    let built = Command::new(env::var_os("CARGO").unwrap_or_else(|| "cargo".into()))
-        .args(["build", "--quiet", "--package", package, "--bin", name])
-        .current_dir(root())
-        .status()
-        .unwrap();
-    assert!(built.success(), "{name} cannot be built");
-    // The tests' own folder lies beside those of the profiles.
-    Path::new(env!("CARGO_TARGET_TMPDIR")).parent().unwrap().join("debug").join(name)
-}
-
 /// Whether the firmware and the program that runs it are built; `cargo xtask test` does that first.
 fn has_firmware() -> bool {
-    let target = root().join("firmware/target");
+    let target = program::root().join("firmware/target");
     let elf = target.join("avr-none/release/timer.elf");
     let board = std::fs::read_dir(&target)
         .into_iter()
@@ -80,10 +64,10 @@ fn json(command: &mut Command) -> Value {
 /// Speed and its expanded uncertainty by the encoder: a rig whose sheet differs from its description as much as that
 /// says, the firmware, and the host.
 fn by_encoder(slider: &Path, preset: usize) -> (f64, f64) {
-    let sheet = root().join("fixtures/sheet13.toml");
+    let sheet = program::root().join("fixtures/sheet13.toml");
     let child = Command::new(slider)
         .args(["simulate", "--fast", "--runs", "1", "--jitter", "0.5", "--firmware"])
-        .arg(root().join("firmware"))
+        .arg(program::root().join("firmware"))
         .args(["--preset", &preset.to_string(), "--seed", &preset.to_string(), "--sheet"])
         .arg(&sheet)
         .stdout(Stdio::piped())
@@ -130,8 +114,8 @@ fn encoder_and_picture_agree_on_ten_speeds_in_two_directions() {
     if !has_firmware() {
         return;
     }
-    let slider = program("slider-host", "slider");
-    let estimate = program("blur-cli", "estimate");
+    let slider = program::built("slider-host", "slider");
+    let estimate = program::built("blur-cli", "estimate");
     println!("truth m/s   encoder m/s             angle   picture m/s             difference / U");
     for (preset, truth) in SPEEDS_M_S.into_iter().enumerate() {
         let (encoder, u_encoder) = by_encoder(&slider, preset);

@@ -14,6 +14,7 @@ fn outcomes(table: &str) -> Option<Vec<Outcome>> {
     let plan = Plan {
         images: data::folder()?,
         method: Method::recommended().unwrap(),
+        only: None,
         per_level: 216,
         fields: 30,
         step: 1,

@@ -7,12 +7,15 @@ use std::process::ExitCode;
 
 use blur_cli::method::Method;
 use blur_cli::picture::{self, Linearize};
-use blur_cli::reproduce::shots;
-use blur_cli::reproduce::statistics::Summary;
+use blur_cli::reproduce::answer::Answer;
+use blur_cli::reproduce::candidates::{Candidate, candidates};
+use blur_cli::reproduce::protocol::{self, Protocol};
+use blur_cli::reproduce::shots::{LEVELS, level_name};
+use blur_cli::reproduce::statistics::{self, Summary};
+use blur_cli::reproduce::thesis;
 use blur_core::estimate::{AxialAngle, MotionBlur, Settings, Status};
 use clap::Parser;
 use e2e_tests::data;
-use e2e_tests::protocol::{self, LEVELS, Outcome, Plan};
 
 /// Accuracy of the registered methods on synthetic and real pictures.
 #[derive(Debug, Parser)]
@@ -40,26 +43,14 @@ struct Arguments {
     gross: bool,
 }
 
-/// Errors above these are gross: degrees, pixels.
-const GROSS_DEG: f64 = 5.0;
-const GROSS_PX: f64 = 5.0;
 /// Errors above these are wrong in frames of a phone: degrees, percent of the length.
 const PHONE_GROSS_DEG: f64 = 8.0;
 const PHONE_GROSS_PERCENT: f64 = 25.0;
-/// Means of the thesis's tables 4.1, 4.2, 4.4, 4.5: clean, noisy.
-const THESIS_ANGLE: &[(&str, f64, f64)] = &[
-    ("dft-radon", 1.00, 17.52),
-    ("dft-cepstrum", 1.55, 10.01),
-    ("dft-gabor", 0.90, 19.87),
-    ("dft-hough", 1.08, 21.75),
-    ("dct-radon", 0.66, 1.70),
-];
-const THESIS_LENGTH: &[(&str, f64, f64)] = &[
-    ("autocorrelation", 26.78, 45.78),
-    ("dft-cepstrum", 8.04, 39.75),
-    ("dft-radon", 11.53, 18.21),
-    ("dct-pseudo-cepstrum", 0.99, 7.78),
-];
+/// Steps between the angles in degrees, over all directions, and between the lengths in pixels.
+const ANGLE_STEP: usize = 7;
+const LENGTH_STEP: usize = 5;
+/// Seed of the noise.
+const SEED: u64 = 20_180_101;
 
 fn main() -> ExitCode {
     match run(&Arguments::parse()) {
@@ -74,95 +65,94 @@ fn main() -> ExitCode {
 fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
     let joint = arguments.joint.as_deref().map_or_else(Method::recommended, Method::named)?;
     let folder = data::folder().ok_or("the tables need the pictures of the data folder")?;
-    let mut plan = Plan::full();
-    if !arguments.method.is_empty() {
-        plan.angle_methods.retain(|method| arguments.method.iter().any(|name| name == method.name));
-        plan.length_methods.retain(|method| arguments.method.iter().any(|name| name == method.name));
-    }
-    plan.angle_length_px = arguments.angle_length;
-    plan.length_angle_deg = arguments.length_angle;
-    let step = arguments.step.max(1);
-    plan.angles_deg = plan.angles_deg.into_iter().step_by(step).collect();
-    plan.lengths_px = plan.lengths_px.into_iter().step_by(step).collect();
-
     if !arguments.real_only {
         let pictures = data::sharp_pictures(&folder)?;
-        println!("{} pictures; angles {:?} deg at {} px", pictures.len(), plan.angles_deg, plan.angle_length_px);
-        let angles = protocol::run_angles(&plan, &pictures)?;
-        let names: Vec<_> = plan.angle_methods.iter().map(|method| method.name).collect();
-        print_table("angle, deg", &angles, &names, GROSS_DEG, THESIS_ANGLE);
-        println!("\nlengths {:?} px at {} deg", plan.lengths_px, plan.length_angle_deg);
-        let lengths = protocol::run_lengths(&plan, &pictures)?;
-        let names: Vec<_> = plan.length_methods.iter().map(|method| method.name).collect();
-        print_table("length, px", &lengths, &names, GROSS_PX, THESIS_LENGTH);
-        if arguments.gross {
-            for outcome in angles.iter().filter(|o| o.error.abs() > GROSS_DEG) {
-                print_gross(outcome, "deg");
-            }
-            for outcome in lengths.iter().filter(|o| o.error.abs() > GROSS_PX) {
-                print_gross(outcome, "px");
-            }
-        }
+        let steps =
+            |first: u32, last: u32, step: usize| (first..=last).step_by(step * arguments.step.max(1)).map(f64::from);
+        let angles = Protocol::angles(steps(0, 179, ANGLE_STEP), arguments.angle_length)?;
+        let title = format!("angles of {} pictures at {} px", pictures.len(), arguments.angle_length);
+        let thesis = ["4.1", "4.2"];
+        print_protocol(&title, &Protocol { seed: SEED, ..angles }, &pictures, thesis, arguments)?;
+        let lengths = Protocol::lengths(steps(5, 95, LENGTH_STEP), arguments.length_angle)?;
+        // Seeds of their own: far beyond those of the angles.
+        let seed = SEED.wrapping_add(1000 * 1009);
+        let title = format!("lengths at {} deg", arguments.length_angle);
+        let thesis = ["4.4", "4.5"];
+        print_protocol(&title, &Protocol { seed, ..lengths }, &pictures, thesis, arguments)?;
     }
     print_real(&folder, &joint)
 }
 
-fn level_name(level: usize) -> String {
-    shots::level_name(LEVELS[level])
-}
-
-fn print_gross(outcome: &Outcome, unit: &str) {
-    let Outcome { method, level, picture, truth, error, ok, .. } = outcome;
-    println!(
-        "gross: {method:20} {:6} {picture:24} truth {truth:6.1} error {error:+7.1} {unit} ok {ok}",
-        level_name(*level)
-    );
-}
-
-fn print_table(title: &str, outcomes: &[Outcome], names: &[&str], gross: f64, thesis: &[(&str, f64, f64)]) {
-    println!(
-        "\n{title:20} {:7} {:>5} {:>7} {:>7} {:>7} {:>7} {:>7} {:>7} {:>6} {:>5} {:>7} {:>5} {:>5}",
-        "level", "n", "mean", "min", "q1", "median", "q3", "max", "gross", "ok", "thesis", "k=1", "k=2"
-    );
-    for name in names {
-        let mean_of = |index: fn(&(&str, f64, f64)) -> f64| thesis.iter().find(|row| row.0 == *name).map(index);
-        let noisy: Vec<usize> = (1..LEVELS.len()).collect();
-        let mut rows: Vec<(String, Vec<usize>, Option<f64>)> =
-            (0..LEVELS.len()).map(|level| (level_name(level), vec![level], None)).collect();
-        rows[0].2 = mean_of(|row| row.1);
-        rows.push(("noisy".to_owned(), noisy, mean_of(|row| row.2)));
-        for (label, levels, thesis_mean) in rows {
-            let errors = protocol::errors(outcomes, name, &levels);
-            let Some(s) = Summary::of(&errors, gross) else { continue };
-            let of_level = || outcomes.iter().filter(|o| o.method == *name && levels.contains(&o.level));
-            let ok = of_level().filter(|o| o.ok).count() as f64 / s.n as f64;
-            // Attained coverage among the answers called ok that state an uncertainty.
-            let coverage = |k: f64| {
-                let stated: Vec<_> =
-                    of_level().filter(|o| o.ok).filter_map(|o| o.std.map(|std| (o.error, std))).collect();
-                if stated.is_empty() {
-                    return "-".to_owned();
-                }
-                let inside = stated.iter().filter(|(error, std)| error.abs() <= k * std).count();
-                format!("{:.0}%", 100.0 * inside as f64 / stated.len() as f64)
-            };
-            println!(
-                "{name:20} {label:7} {:5} {:7.3} {:7.3} {:7.3} {:7.3} {:7.3} {:7.2} {:5.1}% {:4.0}% {:>7} {:>5} {:>5}",
-                s.n,
-                s.mean,
-                s.min,
-                s.q1,
-                s.median,
-                s.q3,
-                s.max,
-                100.0 * s.gross,
-                100.0 * ok,
-                thesis_mean.map_or_else(|| "-".to_owned(), |mean| format!("{mean:.2}")),
-                coverage(1.0),
-                coverage(2.0),
-            );
-        }
+fn print_protocol(
+    title: &str,
+    protocol: &Protocol,
+    pictures: &[data::Sharp],
+    [clean, noisy]: [&str; 2],
+    arguments: &Arguments,
+) -> Result<(), Box<dyn Error>> {
+    let mut methods = candidates(protocol.measure, None)?;
+    if !arguments.method.is_empty() {
+        methods.retain(|method| arguments.method.iter().any(|name| name == method.name()));
     }
+    let answers = protocol.run(pictures, &methods)?.answers;
+    println!(
+        "\n{title}\n{:24} {:7} {:>5} {:>7} {:>7} {:>7} {:>7} {:>7} {:>7} {:>6} {:>5} {:>7} {:>5} {:>5}",
+        protocol.measure.title(),
+        "level",
+        "n",
+        "mean",
+        "min",
+        "q1",
+        "median",
+        "q3",
+        "max",
+        "gross",
+        "ok",
+        "thesis",
+        "k=1",
+        "k=2"
+    );
+    let levels = LEVELS.map(level_name);
+    for method in methods.iter().map(Candidate::name) {
+        for (index, level) in levels.iter().enumerate() {
+            let thesis = if index == 0 { thesis::errors(clean, method) } else { None };
+            print_row(&answers, method, level, std::slice::from_ref(level), thesis);
+        }
+        print_row(&answers, method, "noisy", &levels[1..], thesis::errors(noisy, method));
+    }
+    if arguments.gross {
+        answers.iter().filter(|answer| answer.is_gross()).for_each(|answer| println!("{answer}"));
+    }
+    Ok(())
+}
+
+fn print_row(answers: &[Answer], method: &str, name: &str, levels: &[String], thesis: Option<thesis::Figures>) {
+    let Some(s) = Summary::of(&protocol::errors(answers, method, levels), f64::INFINITY) else { return };
+    let own: Vec<&Answer> = protocol::of(answers, method, levels).collect();
+    let percent = |hits: usize, n: usize| {
+        statistics::share(hits, n).map_or_else(|| "-".to_owned(), |share| format!("{:.0}%", 100.0 * share.value))
+    };
+    let ok: Vec<&&Answer> = own.iter().filter(|answer| answer.is_ok()).collect();
+    // Attained coverage among the answers called ok that state an uncertainty.
+    let coverage = |k: f64| {
+        let stated: Vec<bool> = ok.iter().filter_map(|answer| answer.covers(k)).collect();
+        percent(stated.iter().filter(|&&inside| inside).count(), stated.len())
+    };
+    println!(
+        "{method:24} {name:7} {:5} {:7.3} {:7.3} {:7.3} {:7.3} {:7.3} {:7.2} {:>6} {:>5} {:>7} {:>5} {:>5}",
+        s.n,
+        s.mean,
+        s.min,
+        s.q1,
+        s.median,
+        s.q3,
+        s.max,
+        percent(own.iter().filter(|answer| answer.is_gross()).count(), own.len()),
+        percent(ok.len(), own.len()),
+        thesis.map_or_else(|| "-".to_owned(), |figures| format!("{:.2}", figures.mean)),
+        coverage(1.0),
+        coverage(2.0),
+    );
 }
 
 /// What a frame of `real_phone` was measured to be, beside its truth.
