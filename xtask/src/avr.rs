@@ -2,8 +2,9 @@
 
 use std::env;
 use std::path::Path;
-use std::process::{Command, Stdio};
+use std::process::Command;
 
+use crate::debian;
 use crate::run::{self, Result};
 
 /// Names the compiler to be used instead of the first that is found.
@@ -91,7 +92,7 @@ pub(crate) fn provide(simulator: bool) -> Result<Compiler> {
     if missing.is_empty() {
         return compiler;
     }
-    install(&missing)?;
+    debian::install(&missing, "build and test the firmware")?;
     find_compiler()
 }
 
@@ -104,7 +105,7 @@ fn find_compiler() -> Result<Compiler> {
     if debian.is_ok() {
         return Ok(Compiler::At(DEBIAN_COMPILER.to_owned()));
     }
-    let nightly = printed(Command::new("rustup").args(["run", "nightly", "rustc", "--print", "sysroot"]));
+    let nightly = run::printed(Command::new("rustup").args(["run", "nightly", "rustc", "--print", "sysroot"]));
     match nightly {
         Ok(sysroot) if Path::new(&sysroot).join("lib/rustlib/src/rust/library/core").is_dir() => Ok(Compiler::Nightly),
         Ok(_) => Err("the nightly has no sources: rustup component add rust-src --toolchain nightly".to_owned()),
@@ -115,8 +116,8 @@ fn find_compiler() -> Result<Compiler> {
 /// Whether the sources of the core library lie beside the compiler and are of the same version; with others the build
 /// would fail after a minute with errors that do not say why.
 fn has_sources(rustc: &str) -> Result<()> {
-    let version = printed(Command::new(rustc).arg("-vV"))?;
-    let sysroot = printed(Command::new(rustc).args(["--print", "sysroot"]))?;
+    let version = run::printed(Command::new(rustc).arg("-vV"))?;
+    let sysroot = run::printed(Command::new(rustc).args(["--print", "sysroot"]))?;
     let sources = Path::new(&sysroot).join("lib/rustlib/src/rust");
     if !sources.join("library/core").is_dir() {
         return Err(format!("{rustc} has no sources of the core library at {}", sources.display()));
@@ -134,33 +135,4 @@ fn has_sources(rustc: &str) -> Result<()> {
             COMPILER_PACKAGES.join(" ")
         ))
     }
-}
-
-fn printed(command: &mut Command) -> Result<String> {
-    let shown = run::shown(command);
-    let output =
-        command.stderr(Stdio::null()).output().map_err(|error| format!("'{shown}' cannot be started: {error}"))?;
-    if output.status.success() {
-        Ok(String::from_utf8_lossy(&output.stdout).trim().to_owned())
-    } else {
-        Err(format!("'{shown}' failed ({})", output.status))
-    }
-}
-
-fn install(packages: &[&str]) -> Result<()> {
-    let by_hand = format!("apt-get install -y --no-install-recommends {}", packages.join(" "));
-    let is_root = printed(Command::new("id").arg("-u")).is_ok_and(|id| id == "0");
-    if !is_root || !Path::new("/usr/bin/apt-get").exists() {
-        return Err(format!("to build and test the firmware, on Debian: sudo {by_hand}"));
-    }
-    println!("installing for the firmware: {}", packages.join(" "));
-    let apt = || {
-        let mut command = Command::new("apt-get");
-        command.env("DEBIAN_FRONTEND", "noninteractive").stdout(Stdio::null());
-        command
-    };
-    // What the machine knows of the packages may be too old to find them.
-    run::succeed(apt().args(["update", "-q"]))?;
-    run::succeed(apt().args(["install", "-y", "-q", "--no-install-recommends"]).args(packages))
-        .map_err(|error| format!("{error}; by hand: {by_hand}"))
 }

@@ -1,6 +1,8 @@
 //! `cargo xtask`: the chores of this workspace.
 
 mod avr;
+mod chromium;
+mod debian;
 mod firmware;
 mod goldens;
 mod run;
@@ -27,6 +29,8 @@ Commands:
 Environment:
   BLUR_DATA          folder of real photographs [default: ../shared/data]
   BLUR_REQUIRE_DATA  if set, that folder must be there: no test may skip
+  BLUR_CHROMIUM      browser that the report is tried in [default: Debian's chromium]
+  BLUR_ARTEFACTS     folder for pictures of the report [default: target/artefacts]
   FIRMWARE_RUSTC     compiler of the firmware, with its sources beside it
                      [default: Debian's rustc-web, else rustup's nightly]";
 

@@ -2,7 +2,7 @@
 
 use std::env;
 use std::path::PathBuf;
-use std::process::Command;
+use std::process::{Command, Stdio};
 
 /// What stopped a chore, as told to the caller.
 pub(crate) type Result<T> = std::result::Result<T, String>;
@@ -38,4 +38,16 @@ pub(crate) fn succeed(command: &mut Command) -> Result<()> {
     let shown = shown(command);
     let status = command.status().map_err(|error| format!("'{shown}' cannot be started: {error}"))?;
     if status.success() { Ok(()) } else { Err(format!("'{shown}' failed ({status})")) }
+}
+
+/// What a program prints, without the space around it.
+pub(crate) fn printed(command: &mut Command) -> Result<String> {
+    let shown = shown(command);
+    let output =
+        command.stderr(Stdio::null()).output().map_err(|error| format!("'{shown}' cannot be started: {error}"))?;
+    if output.status.success() {
+        Ok(String::from_utf8_lossy(&output.stdout).trim().to_owned())
+    } else {
+        Err(format!("'{shown}' failed ({})", output.status))
+    }
 }

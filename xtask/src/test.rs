@@ -8,6 +8,7 @@ use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
 use crate::avr;
+use crate::chromium;
 use crate::firmware;
 use crate::goldens;
 use crate::run::{self, Result};
@@ -16,6 +17,10 @@ const DATA: &str = "BLUR_DATA";
 const REQUIRE_DATA: &str = "BLUR_REQUIRE_DATA";
 /// Tells the tests that the firmware has been built, so none of them may skip for want of it.
 const REQUIRE_FIRMWARE: &str = "BLUR_REQUIRE_FIRMWARE";
+/// Where tests leave what people may want to look at.
+const ARTEFACTS: &str = "BLUR_ARTEFACTS";
+/// Set to `true` by most services that run tests: then nothing may be skipped.
+const CI: &str = "CI";
 /// Where the data are when nobody says where, from the root of the workspace.
 const USUAL_DATA: &str = "../shared/data";
 
@@ -28,15 +33,20 @@ pub(crate) fn all() -> Result<()> {
     }
     let mut workspace = run::cargo(["test", "--workspace", "--no-fail-fast"]);
     let mut long = run::cargo(["test", "-p", "e2e-tests", "--tests", "--no-fail-fast", "--", "--ignored"]);
-    for command in [&mut workspace, &mut long] {
+    let mut report = run::cargo(["test", "-p", "blur-cli", "--test", "browser", "--", "--ignored"]);
+    let artefacts =
+        env::var_os(ARTEFACTS).map_or_else(|| run::target().join("artefacts"), |folder| run::root().join(folder));
+    report.env(ARTEFACTS, &artefacts);
+    for command in [&mut workspace, &mut long, &mut report] {
         command.env(REQUIRE_FIRMWARE, "1");
         if let Some(folder) = &data {
             command.env(DATA, folder);
         }
     }
     let firmware = avr::provide(true);
+    let browser = chromium::provide();
     // The firmware first: a test of the workspace runs it.
-    let steps = [
+    let mut steps = vec![
         Step::run("firmware builds and keeps its budget", || {
             firmware::build(firmware.as_ref().map_err(Clone::clone)?).map(|()| Counts::default())
         }),
@@ -45,9 +55,20 @@ pub(crate) fn all() -> Result<()> {
         Step::run("long tests, which a plain 'cargo test' leaves out", || count(&mut long)),
         Step::run("the sample can be remade byte by byte", || goldens::check_sample().map(|()| Counts::default())),
     ];
+    let may_skip = env::var_os(CI).is_none_or(|value| value != "true");
+    if browser.is_ok() || !may_skip {
+        steps.push(Step::run("the report in a browser", || {
+            count(report.env(chromium::BROWSER, browser.as_ref().map_err(Clone::clone)?))
+        }));
+    }
     println!("\nSummary");
     for step in &steps {
         step.print();
+    }
+    match &browser {
+        Ok(_) => println!("  pictures of the report: {}", artefacts.join("report").display()),
+        Err(why) if may_skip => println!("  skipped: the report in a browser; {why}"),
+        Err(_) => {}
     }
     if data.is_none() {
         println!("  skipped: {}", without_data());
