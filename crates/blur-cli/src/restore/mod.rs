@@ -1,6 +1,6 @@
 //! Writing pictures without their blur: `--restore`.
 //!
-//! [`target`] says where each picture goes, [`restored`] undoes the blur of all its channels, and [`write`] does it for one
+//! [`target`] says where each picture goes, [`restored`] undoes the blur of all its channels, and [`write()`] does it for one
 //! picture of a run.
 
 mod samples;
