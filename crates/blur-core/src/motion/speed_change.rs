@@ -236,7 +236,9 @@ mod tests {
         let mut tiles: Vec<TileMotion> =
             (0..5).map(|i| f64::from(i) * 200.0).map(|y| tile(0.0, y, 30.0 + 3e-3 * y, 0.0)).collect();
         // A tilt, known or not, changes how long a row is exposed.
-        tiles.iter_mut().for_each(|tile| tile.blur.angle_std_deg = Some(0.0));
+        for tile in &mut tiles {
+            tile.blur.angle_std_deg = Some(0.0);
+        }
         let found = change(&tiles).unwrap();
         assert!((found.value_px_s2 - 15_000.0).abs() < 1e-6, "{found:?}");
         // u(v) / sqrt(sum (t - mean)^2) with u(v) = 20 px/s and times 4 ms apart.
