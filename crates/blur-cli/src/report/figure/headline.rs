@@ -125,16 +125,17 @@ fn either_way(readout: &ReadoutFields) -> String {
         });
         format!("<b>{}</b>{uncertainty} m/s if it moved {way}", Data { field, value, shown: &shown })
     };
+    let [along, against] = readout.rows_run.ways();
     format!(
         "; as if all rows were exposed at once. The rows were read one after the other: {}, {}",
         speed(
-            "down",
+            along,
             readout.speeds.speed_down_m_s,
             readout.speeds.speed_down_expanded_m_s,
             ["speed_down_m_s", "speed_down_expanded_m_s"]
         ),
         speed(
-            "up",
+            against,
             readout.speeds.speed_up_m_s,
             readout.speeds.speed_up_expanded_m_s,
             ["speed_up_m_s", "speed_up_expanded_m_s"]
