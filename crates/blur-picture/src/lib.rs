@@ -1,5 +1,11 @@
 //! Picture files as grey values.
+//!
+//! From bytes that claim to be a picture ([`Format`]) to the grey values that are measured, upright ([`Picture`]), with what
+//! the camera wrote beside them ([`Exif`]). Bytes come from outside: whatever they are, the answer is a picture or an
+//! [`Error`] that names what is wrong with them, and memory is taken only for what can be a picture.
 
+mod error;
+mod exif;
 mod format;
 mod frame;
 mod luma;
@@ -9,16 +15,17 @@ use std::fs::File;
 use std::io::{Cursor, Read};
 use std::path::Path;
 
-use image::{DynamicImage, ImageDecoder, ImageReader, Limits};
+use image::{ImageDecoder, ImageReader, Limits};
 use ndarray::Array2;
 use tiff::ColorType;
 use tiff::decoder::{Decoder, DecodingResult};
 
+pub use error::{Error, Result};
+pub use exif::{Exif, Focal};
 pub use format::Format;
 pub use frame::{RowsRun, StoredFrame};
-
-use crate::exif::Exif;
-use crate::{Error, Result};
+pub use image::DynamicImage;
+pub use image::metadata::Orientation;
 
 /// Most pixels of a picture: 8192x8192.
 pub const MAX_PIXELS: u64 = 1 << 26;

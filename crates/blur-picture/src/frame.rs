@@ -1,7 +1,6 @@
 //! Where the points of the upright picture are among the stored pixels.
 
 use image::metadata::Orientation;
-use serde::Serialize;
 
 /// The frames of a picture: upright as it is shown, and as it is stored, which is that of the sensor.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -11,8 +10,7 @@ pub struct StoredFrame {
 }
 
 /// A way through the upright picture.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "snake_case")]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum RowsRun {
     /// From top to bottom, as in every picture that is stored as it is shown.
     Down,
@@ -25,6 +23,11 @@ pub enum RowsRun {
 }
 
 impl RowsRun {
+    /// The name used in machine-readable output.
+    pub fn name(self) -> &'static str {
+        self.ways()[0]
+    }
+
     /// Words for a motion along with the readout and one against it.
     pub fn ways(self) -> [&'static str; 2] {
         match self {

@@ -2,7 +2,7 @@
 
 use std::io::Cursor;
 
-use exif::{Error as ExifError, Field, In, Reader, Tag, Value};
+use ::exif::{Error as ExifError, Field, In, Reader, Tag, Value};
 use image::metadata::Orientation;
 
 /// The part of a picture's EXIF data that a measurement uses. Damaged EXIF is never an error: what can be read is
