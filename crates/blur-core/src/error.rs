@@ -27,6 +27,28 @@ pub enum Error {
         /// Least length.
         min_px: f64,
     },
+    /// Rows of a picture begin nearer to each other than they are long.
+    #[error("rows of {width} pixels take {needed} bytes, but begin {row_bytes} bytes apart")]
+    RowTooShort {
+        /// Bytes from the start of a row to that of the next.
+        row_bytes: usize,
+        /// Columns of the picture.
+        width: usize,
+        /// Bytes of a row.
+        needed: usize,
+    },
+    /// A picture has more pixels than its memory holds.
+    #[error("a picture of {width}x{height} pixels takes {needed} bytes; {bytes} were given")]
+    TooFewBytes {
+        /// Bytes given.
+        bytes: usize,
+        /// Columns of the picture.
+        width: usize,
+        /// Rows of the picture.
+        height: usize,
+        /// Bytes that the picture takes.
+        needed: usize,
+    },
     /// A pixel is NaN or infinite.
     #[error("the pixel at row {row}, column {column} is {value}; every pixel must be a finite number")]
     NotFinite {
@@ -143,6 +165,9 @@ pub enum Error {
         /// What would be allowed.
         expected: &'static str,
     },
+    /// A measured number is refused.
+    #[error(transparent)]
+    Measurement(#[from] metrology::Error),
     /// No method of this name is registered.
     #[error("there is no {kind} method called '{name}'; known: {known}")]
     UnknownMethod {
@@ -151,6 +176,14 @@ pub enum Error {
         /// The name asked for.
         name: String,
         /// Names that exist, separated by spaces.
+        known: String,
+    },
+    /// A method was asked to follow a motion from frame to frame and cannot.
+    #[error("the method '{method}' cannot follow a motion from frame to frame; these can: {known}")]
+    NoTracking {
+        /// Name of the method.
+        method: String,
+        /// Names of those that can, separated by spaces.
         known: String,
     },
     /// A method that compares with sharp pictures was given none.

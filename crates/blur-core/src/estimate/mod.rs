@@ -9,6 +9,7 @@
 
 pub mod angle;
 mod front;
+mod heading;
 pub mod joint;
 pub mod length;
 mod pair;
@@ -17,6 +18,7 @@ pub mod registry;
 mod settings;
 mod types;
 
+pub use heading::Heading;
 pub use pair::{KnownAngle, Pair};
 pub use settings::{LengthRange, Settings};
 pub use types::{

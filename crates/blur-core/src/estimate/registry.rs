@@ -1,10 +1,11 @@
 //! The methods by their names. Command line, benches and tables iterate over these lists.
 
 use std::fmt;
+use std::str::FromStr;
 
 use ndarray::ArrayView2;
 
-use super::{AngleEstimator, JointEstimator, LengthEstimator, Settings, angle, joint, length};
+use super::{AngleEstimator, JointEstimator, LengthEstimator, Pair, Settings, angle, joint, length};
 use crate::{Error, Result};
 
 /// One entry of a registry: a method that builds an estimator `E` (a boxed trait object).
@@ -142,6 +143,9 @@ pub const ACCELERATION: &[&str] = &["whittle"];
 /// Joint methods that can weigh the pixels of a region, as [`joint::Whittle::estimate_weighted`] does.
 pub const WEIGHTED: &[&str] = &["whittle"];
 
+/// Joint methods that can follow a motion from frame to frame, as [`joint::Tracker`] does.
+pub const TRACKING: &[&str] = &["whittle"];
+
 /// The angle method called `name`.
 pub fn angle(name: &str) -> Result<&'static Method<Box<dyn AngleEstimator>>> {
     find("angle", ANGLE, name)
@@ -155,6 +159,78 @@ pub fn length(name: &str) -> Result<&'static Method<Box<dyn LengthEstimator>>> {
 /// The joint method called `name`.
 pub fn joint(name: &str) -> Result<&'static Method<Box<dyn JointEstimator>>> {
     find("joint", JOINT, name)
+}
+
+/// An estimator of direction and length by its name: a joint method, or an angle and a length method as `ANGLE+LENGTH`.
+///
+/// ```
+/// use blur_core::estimate::registry::Choice;
+/// let choice: Choice = "dct-radon+dct-pseudo-cepstrum".parse().unwrap();
+/// assert_eq!(choice.to_string(), "dct-radon+dct-pseudo-cepstrum");
+/// assert_eq!(Choice::default().to_string(), "whittle");
+/// assert!("wiener".parse::<Choice>().is_err());
+/// ```
+#[derive(Debug, Clone, Copy)]
+pub enum Choice {
+    /// A joint method.
+    Joint(&'static Method<Box<dyn JointEstimator>>),
+    /// An angle method, then a length method along the angle found.
+    Pair(&'static Method<Box<dyn AngleEstimator>>, &'static Method<Box<dyn LengthEstimator>>),
+}
+
+impl Choice {
+    /// A new estimator.
+    pub fn build(&self, settings: &Settings) -> Box<dyn JointEstimator> {
+        match self {
+            Self::Joint(joint) => joint.build(settings),
+            Self::Pair(angle, length) => Box::new(Pair::new(angle.build(settings), length.build(settings))),
+        }
+    }
+
+    /// The names of the two methods, or that of the joint one alone.
+    fn names(&self) -> (&'static str, Option<&'static str>) {
+        match self {
+            Self::Joint(joint) => (joint.name, None),
+            Self::Pair(angle, length) => (angle.name, Some(length.name)),
+        }
+    }
+}
+
+/// The first joint method.
+impl Default for Choice {
+    fn default() -> Self {
+        const { assert!(!JOINT.is_empty(), "there is a joint method") }
+        Self::Joint(&JOINT[0])
+    }
+}
+
+/// By the names.
+impl PartialEq for Choice {
+    fn eq(&self, other: &Self) -> bool {
+        self.names() == other.names()
+    }
+}
+
+impl Eq for Choice {}
+
+impl fmt::Display for Choice {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.names() {
+            (joint, None) => f.write_str(joint),
+            (angle, Some(length)) => write!(f, "{angle}+{length}"),
+        }
+    }
+}
+
+impl FromStr for Choice {
+    type Err = Error;
+
+    fn from_str(name: &str) -> Result<Self> {
+        match name.split_once('+') {
+            Some((angle_name, length_name)) => Ok(Self::Pair(angle(angle_name)?, length(length_name)?)),
+            None => joint(name).map(Self::Joint),
+        }
+    }
 }
 
 fn find<E>(kind: &'static str, methods: &'static [Method<E>], name: &str) -> Result<&'static Method<E>> {

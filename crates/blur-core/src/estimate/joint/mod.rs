@@ -8,7 +8,7 @@ mod whittle;
 pub use phase_autocorrelation::PhaseAutocorrelation;
 pub use reference::Reference;
 pub(super) use whittle::Along as WhittleAlong;
-pub use whittle::{Diagnosis, Stage, Surface, Whittle};
+pub use whittle::{Diagnosis, Stage, Surface, Tracked, Tracker, Whittle};
 
 /// The spectra of sharp scenes, for others who model pictures.
 pub(crate) mod scene {
