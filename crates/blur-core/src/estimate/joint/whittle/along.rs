@@ -1,8 +1,11 @@
-//! The likelihood of the length along a known direction, of strips too.
+//! The likelihood of the length along a known direction, of strips too: of the spectrum, or of the rows where they are short.
+
+use std::f64::consts::FRAC_PI_2;
 
 use ndarray::{Array2, ArrayView2};
 
 use super::periodogram::Periodogram;
+use super::rows::Rows;
 use super::view::View;
 use super::{MIDDLE_PX, WHOLE_PX, WHOLE_WINDOW, verdict};
 use crate::estimate::length::{no_length, range_along};
@@ -25,6 +28,9 @@ struct Plan {
     flat: View,
     /// For motions nearer to the columns, when the picture is not square.
     steep: Option<View>,
+    /// For motions along the rows, and along the columns, where those are short.
+    rows: Option<Rows>,
+    columns: Option<Rows>,
 }
 
 impl Along {
@@ -39,7 +45,22 @@ impl Along {
         let range = range_along(&self.settings, picture.dim(), angle);
         let along_rows = angle.rad().cos().abs() >= angle.rad().sin().abs();
         let settings = self.settings;
-        let Plan { weights, flat, steep } = self.plan.get(picture.dim(), |dim| Plan::new(&settings, dim));
+        let Plan { weights, flat, steep, rows, columns } =
+            self.plan.get(picture.dim(), |dim| Plan::new(&settings, dim));
+        let (short, lines, turn) = if along_rows {
+            (rows, picture, angle.rad())
+        } else {
+            (columns, picture.reversed_axes(), angle.rad() - FRAC_PI_2)
+        };
+        let within = range.within(lines.ncols() as f64);
+        if let Some(short) = short.as_mut().filter(|_| Rows::hold(within.max_px(), turn)) {
+            let Some(found) = short.measure(lines, within) else { return no_length(within) };
+            return LengthEstimate {
+                length_px: found.length,
+                std_px: Some(found.length * found.variance.sqrt()),
+                status: verdict::status_of_rows(&found, within),
+            };
+        }
         let view = steep.as_mut().filter(|_| !along_rows).unwrap_or(flat);
         view.set_weighted(picture, weights.view());
         let Some(outcome) = view.measure_along(angle.rad(), range) else { return no_length(range) };
@@ -65,6 +86,6 @@ impl Plan {
             view
         };
         let (flat, steep) = (view(columns), (rows != columns).then(|| view(rows)));
-        Self { weights, flat, steep }
+        Self { weights, flat, steep, rows: Rows::new(rows, columns), columns: Rows::new(columns, rows) }
     }
 }

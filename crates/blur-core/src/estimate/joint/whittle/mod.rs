@@ -9,10 +9,12 @@ mod overlay;
 mod periodogram;
 mod point;
 mod response;
+mod rows;
 mod scene;
 mod search;
 #[cfg(test)]
 mod testing;
+mod tracker;
 mod verdict;
 mod view;
 mod weighted;
@@ -22,6 +24,8 @@ use ndarray::ArrayView2;
 pub use self::diagnosis::{Diagnosis, Surface};
 pub(crate) use self::periodogram::FALL;
 pub(crate) use self::scene::{MEAN, STD, TERMS, terms};
+
+pub use self::tracker::{Tracked, Tracker};
 
 pub(in crate::estimate) use self::along::Along;
 
@@ -153,7 +157,12 @@ impl Whittle {
         image::check(image)?;
         let settings = self.settings;
         let plan = self.plan.get(image.dim(), |dim| Plan::new(&settings, dim));
-        Ok(plan.measure(image, settings.acceleration, done))
+        plan.set(image);
+        done(Stage::Spectrum);
+        let Some(outcome) = plan.search(done) else { return Ok(no_pattern(plan.range)) };
+        let found = plan.result(&outcome, image, settings.acceleration);
+        done(Stage::Refinement);
+        Ok(found)
     }
 }
 
@@ -179,30 +188,46 @@ impl Plan {
         }
     }
 
-    fn measure(&mut self, image: ArrayView2<'_, f32>, acceleration: bool, done: &mut dyn FnMut(Stage)) -> MotionBlur {
-        let side = image.nrows().min(image.ncols());
-        let picture = if side <= WHOLE_PX { image } else { centre_square(image, MIDDLE_PX) };
-        let Part { view, .. } = &mut self.first;
-        view.set(picture);
-        done(Stage::Spectrum);
-        let Some(outcome) = view.measure(done) else { return no_pattern(self.range) };
-        let status = verdict::status(&outcome, self.range);
+    /// The picture to measure, of the plan's size.
+    fn set(&mut self, image: ArrayView2<'_, f32>) {
+        self.first.view.set(first_part(image));
+    }
+
+    /// Searches everywhere; `None` when there is no pattern.
+    fn search(&mut self, done: &mut dyn FnMut(Stage)) -> Option<Outcome> {
+        self.first.view.measure(done)
+    }
+
+    /// Fits from the outcome of the frame before; `None` when the blur has left that mode.
+    fn follow(&mut self, last: &Outcome) -> Option<Outcome> {
+        self.first.view.follow(last)
+    }
+
+    /// The result that follows from an outcome for the picture that was [`set`](Self::set), which is given again: the
+    /// whole of a large picture refines it, and the acceleration is looked for if asked.
+    fn result(&mut self, outcome: &Outcome, image: ArrayView2<'_, f32>, acceleration: bool) -> MotionBlur {
+        let picture = first_part(image);
+        let status = verdict::status(outcome, self.range);
         let mut refined = None;
-        if let Some(whole) = self.whole.as_mut().filter(|_| status == Status::Ok && is_uniform(&outcome)) {
+        if let Some(whole) = self.whole.as_mut().filter(|_| status == Status::Ok && is_uniform(outcome)) {
             let picture = centre_square(image, LARGEST_PX);
             whole.view.set(picture);
-            refined = whole.view.refine(&outcome).filter(|refined| agree(&outcome, refined)).map(|refined| {
+            refined = whole.view.refine(outcome).filter(|refined| agree(outcome, refined)).map(|refined| {
                 let accelerated = acceleration.then(|| whole.acceleration(picture, &refined)).flatten();
                 result(&refined, verdict::status(&refined, self.range), picture.dim(), accelerated)
             });
         }
-        let found = refined.unwrap_or_else(|| {
-            let accelerated = acceleration.then(|| self.first.acceleration(picture, &outcome)).flatten();
-            result(&outcome, status, picture.dim(), accelerated)
-        });
-        done(Stage::Refinement);
-        found
+        refined.unwrap_or_else(|| {
+            let accelerated = acceleration.then(|| self.first.acceleration(picture, outcome)).flatten();
+            result(outcome, status, picture.dim(), accelerated)
+        })
     }
+}
+
+/// The part of a picture that is measured first.
+fn first_part(image: ArrayView2<'_, f32>) -> ArrayView2<'_, f32> {
+    let side = image.nrows().min(image.ncols());
+    if side <= WHOLE_PX { image } else { centre_square(image, MIDDLE_PX) }
 }
 
 impl Part {

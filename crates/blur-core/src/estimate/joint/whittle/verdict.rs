@@ -1,6 +1,7 @@
 //! How far to trust a fit.
 
-use super::view::Outcome;
+use super::rows::Found;
+use super::view::{CLEAR_LEAD, Outcome};
 use crate::estimate::{Doubt, LengthRange, Status};
 
 /// Least gain in log-likelihood over no blur, and over a disk.
@@ -22,6 +23,8 @@ const MOST_RIVAL: f64 = 0.5;
 const PERIODIC: f64 = 1.08;
 const PERIODIC_DENSITY: f64 = 0.06;
 const PERIODIC_RIVAL: f64 = 0.3;
+/// The same of short rows, whose scene is a power law and nothing else.
+const PERIODIC_ROWS: f64 = 1.25;
 /// Most standard uncertainty of a length, relative, and of an angle in degrees.
 const MOST_LENGTH_STD: f64 = 0.08;
 const MOST_ANGLE_STD_DEG: f64 = 3.0;
@@ -57,6 +60,26 @@ pub(super) fn status(outcome: &Outcome, range: LengthRange) -> Status {
     }
 }
 
+/// The status of what short rows say, searched for in `range`. They are too few to tell a sharp scene from one whose blur
+/// the noise has covered, so that they never deny a blur.
+pub(super) fn status_of_rows(found: &Found, range: LengthRange) -> Status {
+    let std = found.variance.sqrt();
+    let rival = if found.lead < CLEAR_LEAD { (found.gain - found.lead) / found.gain } else { 0.0 };
+    // Written so that what is not a number is in doubt.
+    let is_plain = found.gain >= LEAST_GAIN;
+    if !is_plain {
+        Status::LowConfidence(Doubt::SmallGain { gain: found.gain, needed: LEAST_GAIN })
+    } else if found.peaks > PERIODIC_ROWS {
+        Status::LowConfidence(Doubt::PeriodicTexture { peakedness: found.peaks, most: PERIODIC_ROWS })
+    } else if rival > MOST_RIVAL {
+        Status::LowConfidence(Doubt::RivalBlur { share: rival, most: MOST_RIVAL })
+    } else if std > MOST_LENGTH_STD {
+        Status::LowConfidence(Doubt::Uncertain { std: 100.0 * std, most: 100.0 * MOST_LENGTH_STD, unit: "%" })
+    } else {
+        crate::estimate::length::status_in(range, found.length, Status::Ok)
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -70,6 +93,7 @@ mod tests {
             angle: 0.3,
             covariance,
             band: 0.5,
+            start: 0,
             gain: 900.0,
             density: 0.2,
             rival: 0.0,
@@ -131,6 +155,29 @@ mod tests {
             let status = judged(|o| o.length = length);
             assert!(matches!(status, Status::LowConfidence(Doubt::LengthAtRangeEnd { .. })), "{length}: {status:?}");
         }
+    }
+
+    #[test]
+    fn short_rows_are_doubted_by_the_same_limits() {
+        let range = LengthRange::new(4.0, 36.0).unwrap();
+        let judged = |length: f64, std: f64, gain: f64, lead: f64| {
+            status_of_rows(&Found { length, variance: std * std, gain, lead, peaks: 1.1 }, range)
+        };
+        assert_eq!(judged(20.0, 0.079, 18.1, f64::INFINITY), Status::Ok);
+        assert_eq!(judged(20.0, 0.01, 30.0, 15.1), Status::Ok);
+        // A lead of eighteen is enough, however much the rival gains.
+        assert_eq!(judged(20.0, 0.01, 900.0, 18.1), Status::Ok);
+        for gain in [17.9, -3.0, f64::NAN] {
+            let status = judged(20.0, 0.01, gain, f64::INFINITY);
+            assert!(matches!(status, Status::LowConfidence(Doubt::SmallGain { .. })), "{gain}: {status:?}");
+        }
+        let periodic = Found { length: 20.0, variance: 1e-4, gain: 900.0, lead: f64::INFINITY, peaks: 1.3 };
+        let status = status_of_rows(&periodic, range);
+        assert!(matches!(status, Status::LowConfidence(Doubt::PeriodicTexture { .. })), "{status:?}");
+        let doubts = [judged(20.0, 0.01, 40.0, 17.0), judged(20.0, 0.081, 40.0, 30.0), judged(35.9, 0.01, 40.0, 30.0)];
+        assert!(matches!(doubts[0], Status::LowConfidence(Doubt::RivalBlur { .. })), "{doubts:?}");
+        assert!(matches!(doubts[1], Status::LowConfidence(Doubt::Uncertain { unit: "%", .. })), "{doubts:?}");
+        assert!(matches!(doubts[2], Status::LowConfidence(Doubt::LengthAtRangeEnd { .. })), "{doubts:?}");
     }
 
     #[test]

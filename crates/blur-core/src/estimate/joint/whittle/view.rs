@@ -32,7 +32,7 @@ const CLOSE_VOTES: f64 = 0.7;
 const SHARP: f64 = 0.1;
 /// Two candidates are one mode within this angle (radians) and ratio of lengths (logarithm).
 const SAME_ANGLE: f64 = 0.105;
-const SAME_LOG_LENGTH: f64 = 0.13;
+pub(super) const SAME_LOG_LENGTH: f64 = 0.13;
 /// Cells from one dark line to the next that a first fit needs.
 const CELLS_PER_LINE: f64 = 14.0;
 /// Dark lines that a first fit sees.
@@ -57,7 +57,7 @@ const COHERENT: f64 = -4.0;
 /// Precision of an angle that is known: a millionth of a radian.
 const KNOWN: f64 = 1e12;
 /// Lead in log-likelihood over any other length that leaves no rival.
-const CLEAR_LEAD: f64 = 18.0;
+pub(super) const CLEAR_LEAD: f64 = 18.0;
 /// Logarithmic step of the lengths from which fits along a known angle start.
 const LENGTH_STEP: f64 = 0.06;
 
@@ -72,6 +72,8 @@ pub(super) struct Outcome {
     pub(super) covariance: Covariance,
     /// Highest frequency used, cycles per pixel.
     pub(super) band: f64,
+    /// The band, by index, that found the mode.
+    pub(super) start: usize,
     /// Gain in log-likelihood over no blur in the band where the mode was found.
     pub(super) gain: f64,
     /// That gain per bin of signal.
@@ -186,13 +188,25 @@ impl View {
     pub(super) fn measure(&mut self, done: &mut dyn FnMut(Stage)) -> Option<Outcome> {
         self.search();
         done(Stage::Search);
-        let (mut outcome, start) = self.choose()?;
+        let mut outcome = self.choose()?;
         done(Stage::Choice);
         self.settle_at(&mut outcome)?;
         self.compare_disk(&mut outcome);
         done(Stage::Defocus);
-        self.widen(&mut outcome, start);
+        self.widen(&mut outcome);
         done(Stage::Fit);
+        Some(outcome)
+    }
+
+    /// As [`measure`](Self::measure) from the outcome of the frame before, without search and disks, whose shares of the
+    /// evidence it keeps; `None` when the blur has left that mode.
+    pub(super) fn follow(&mut self, last: &Outcome) -> Option<Outcome> {
+        let at = last.candidate();
+        let found = self.first_fit(at, last.start, last.start).filter(|found| same(&at, &found.candidate()))?;
+        self.points.swap(0, 1);
+        let mut outcome = Outcome { rival: last.rival, over_disk: last.over_disk, ..found };
+        self.settle_at(&mut outcome)?;
+        self.widen(&mut outcome);
         Some(outcome)
     }
 
@@ -263,6 +277,7 @@ impl View {
             angle,
             covariance: Covariance::default(),
             band: MOST_FREQUENCY,
+            start: 0,
             gain,
             density: gain / (line.signal + SPARE_BINS),
             // In the whole spectrum even a sixth of the dark lines gains much: what counts is the lead.
@@ -314,66 +329,69 @@ impl View {
     }
 
     /// Fits every mode in the lowest band that knows its length, and takes the one with most evidence for a bin of
-    /// signal. The winner's point is the first one; its band is returned.
-    fn choose(&mut self) -> Option<(Outcome, usize)> {
-        let mut winner: Option<(Outcome, usize)> = None;
+    /// signal. The winner's point is the first one.
+    fn choose(&mut self) -> Option<Outcome> {
+        let mut winner: Option<Outcome> = None;
         let mut rival = 0.0_f64;
         for i in 0..self.modes.len() {
             let Mode { at, votes, lowest, widest } = self.modes[i];
-            let settled = winner.as_ref().is_some_and(|(best, _)| self.modes[0].votes > AGREED && best.is_coherent());
+            let settled = winner.as_ref().is_some_and(|best| self.modes[0].votes > AGREED && best.is_coherent());
             if settled && votes < CLOSE_VOTES * self.modes[0].votes {
                 break;
             }
-            let mut band = lowest;
-            let (line, covariance, used) = loop {
-                let used = self.first_band(band, at.length);
-                let line = self.start_fit(at, used);
-                let covariance = self.fit.covariance().filter(|covariance| covariance[0][0] < SHARP * SHARP);
-                if covariance.is_some() && self.bands[band].covers(self.points[1].length) {
-                    break (line, covariance, used);
-                }
-                if band == widest {
-                    break (line, None, used);
-                }
-                band -= 1;
-            };
-            let Some(covariance) = covariance else { continue };
-            let [_, found, other] = &mut self.points;
-            other.copy(found);
-            self.fit.start_scene(&self.cells, Kernel::None, other);
-            let none = self.fit.maximise(&self.cells, Kernel::None, other, ALTERNATIVE);
-            let gain = none.loss - line.loss;
-            let found_length = found.length;
-            let outcome = Outcome {
-                length: found_length,
-                angle: found.angle,
-                covariance,
-                band: used,
-                gain,
-                density: gain / (line.signal + SPARE_BINS),
-                rival: 0.0,
-                over_disk: f64::INFINITY,
-                log_share: found.log_share,
-                peaks: 1.0,
-                misfit: line.misfit,
-            };
+            let Some(outcome) = self.first_fit(at, lowest, widest) else { continue };
             match &winner {
-                Some((best, _)) if best.density >= outcome.density => {
+                Some(best) if best.density >= outcome.density => {
                     if !same(&best.candidate(), &outcome.candidate()) {
                         rival = rival.max(outcome.density);
                     }
                 }
                 _ => {
-                    if let Some((best, _)) = winner.filter(|(best, _)| !same(&best.candidate(), &outcome.candidate())) {
+                    if let Some(best) = winner.filter(|best| !same(&best.candidate(), &outcome.candidate())) {
                         rival = rival.max(best.density);
                     }
-                    winner = Some((outcome, band));
+                    winner = Some(outcome);
                     self.points.swap(0, 1);
                 }
             }
         }
-        let (outcome, band) = winner?;
-        Some((Outcome { rival: rival / outcome.density.max(f64::MIN_POSITIVE), ..outcome }, band))
+        let outcome = winner?;
+        Some(Outcome { rival: rival / outcome.density.max(f64::MIN_POSITIVE), ..outcome })
+    }
+
+    /// Fits the second point to a mode in the lowest band, from `lowest` to `widest`, that knows its length; `None`
+    /// when no band does.
+    fn first_fit(&mut self, at: Candidate, lowest: usize, widest: usize) -> Option<Outcome> {
+        let mut band = lowest;
+        let (line, covariance, used) = loop {
+            let used = self.first_band(band, at.length);
+            let line = self.start_fit(at, used);
+            let covariance = self.fit.covariance().filter(|covariance| covariance[0][0] < SHARP * SHARP);
+            match covariance {
+                Some(covariance) if self.bands[band].covers(self.points[1].length) => break (line, covariance, used),
+                _ if band == widest => return None,
+                _ => band -= 1,
+            }
+        };
+        let [_, found, other] = &mut self.points;
+        other.copy(found);
+        self.fit.start_scene(&self.cells, Kernel::None, other);
+        let none = self.fit.maximise(&self.cells, Kernel::None, other, ALTERNATIVE);
+        let gain = none.loss - line.loss;
+        Some(Outcome {
+            length: found.length,
+            angle: found.angle,
+            covariance,
+            band: used,
+            start: band,
+            gain,
+            density: gain / (line.signal + SPARE_BINS),
+            rival: 0.0,
+            over_disk: f64::INFINITY,
+            log_share: found.log_share,
+            peaks: 1.0,
+            misfit: line.misfit,
+        })
     }
 
     /// Fits the mode chosen to the end in its own band.
@@ -398,11 +416,11 @@ impl View {
 
     /// Takes the whole spectrum in if it agrees with the band where the blur was found; if not, wider and wider bands as
     /// long as they do.
-    fn widen(&mut self, outcome: &mut Outcome, start: usize) {
+    fn widen(&mut self, outcome: &mut Outcome) {
         if self.widen_to(outcome, MOST_FREQUENCY) {
             return;
         }
-        for band in (1..=start).rev() {
+        for band in (1..=outcome.start).rev() {
             let most_frequency = self.bands[band].most_frequency;
             if most_frequency > outcome.band && !self.widen_to(outcome, most_frequency) {
                 break;
