@@ -24,30 +24,44 @@ pub(super) fn derivative(sigma_px: f64) -> Vec<f32> {
 /// whose middle is the pixel itself.
 pub(super) fn filter(picture: &Array2<f32>, across: &[f32], down: &[f32]) -> Array2<f32> {
     let (rows, columns) = picture.dim();
-    let mut along = Array2::<f32>::zeros((rows, columns));
+    let mut along = vec![0.0; rows * columns];
     let reach = across.len() / 2;
     let mut padded = vec![0.0; columns + 2 * reach];
-    for (row, mut out) in picture.rows().into_iter().zip(along.rows_mut()) {
+    for (row, out) in picture.rows().into_iter().zip(along.chunks_exact_mut(columns)) {
         for (i, value) in padded.iter_mut().enumerate() {
             *value = row[i.saturating_sub(reach).min(columns - 1)];
         }
-        for (k, &tap) in across.iter().enumerate() {
-            for (out, &value) in out.iter_mut().zip(&padded[k..]) {
-                *out += tap * value;
-            }
-        }
+        add_weighted(out, across, |k| &padded[k..k + columns]);
     }
     let mut filtered = Array2::<f32>::zeros((rows, columns));
     let reach = down.len() / 2;
-    for (r, mut out) in filtered.rows_mut().into_iter().enumerate() {
-        for (k, &tap) in down.iter().enumerate() {
-            let source = along.row((r + k).saturating_sub(reach).min(rows - 1));
-            for (out, &value) in out.iter_mut().zip(source) {
-                *out += tap * value;
-            }
-        }
+    let mut sums = vec![0.0; columns];
+    for (r, out) in filtered.rows_mut().into_iter().enumerate() {
+        sums.fill(0.0);
+        add_weighted(&mut sums, down, |k| {
+            let row = (r + k).saturating_sub(reach).min(rows - 1);
+            &along[row * columns..(row + 1) * columns]
+        });
+        out.into_iter().zip(&sums).for_each(|(out, &sum)| *out = sum);
     }
     filtered
+}
+
+/// Adds `taps[k] * line(k)` for every `k` to `out`, four lines at a time, so that `out` is loaded and stored less often than
+/// it is added to. The order of the sums is that of the taps.
+fn add_weighted<'a>(out: &mut [f32], taps: &[f32], line: impl Fn(usize) -> &'a [f32]) {
+    let (fours, rest) = taps.as_chunks::<4>();
+    for (i, &[a, b, c, d]) in fours.iter().enumerate() {
+        let [p, q, r, s] = [0, 1, 2, 3].map(|k| line(4 * i + k));
+        for ((((out, p), q), r), s) in out.iter_mut().zip(p).zip(q).zip(r).zip(s) {
+            *out = *out + a * p + b * q + c * r + d * s;
+        }
+    }
+    for (k, &tap) in rest.iter().enumerate() {
+        for (out, value) in out.iter_mut().zip(line(4 * fours.len() + k)) {
+            *out += tap * value;
+        }
+    }
 }
 
 #[cfg(test)]

@@ -4,11 +4,13 @@
 //! upon → the `texture` in every direction, scale by scale → which pixel follows which motion → each moving region,
 //! measured as a whole. A part that the user marks comes as a [`Mask`].
 //!
-//! Programs with several threads hand out the tiles of a [`TilePlan`] and then call [`segment`] once.
+//! Programs with several threads hand out the tiles of a [`TilePlan`] and then call [`segment`] once, which uses all threads of
+//! rayon's pool when the crate has the feature `rayon`.
 
 mod candidates;
 mod components;
 mod cut;
+mod each;
 mod expansion;
 mod gaussian;
 mod likeness;

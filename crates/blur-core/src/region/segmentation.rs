@@ -4,6 +4,7 @@ use ndarray::{Array2, ArrayView2};
 
 use super::candidates::{Candidate, candidates};
 use super::components::{fill_holes, flood, spread};
+use super::each::each;
 use super::expansion;
 use super::likeness::log_odds;
 use super::texture::{STEP_PX, Texture};
@@ -28,8 +29,6 @@ const SHOWN_THROUGH: f64 = 0.25;
 /// rather than the blurred one inside. On streets of odd kodak pictures and of dead leaves regions then miss about as much as
 /// they add.
 const OVERLOOKED_PX: f64 = 4.0;
-/// Rounds in which motions are confirmed or dropped.
-const ROUNDS: usize = 1;
 
 /// A part of the picture that moves as one.
 #[derive(Debug, Clone, PartialEq)]
@@ -76,25 +75,13 @@ impl Segmentation {
 pub fn segment(image: ArrayView2<'_, f32>, tiles: &[TileBlur], settings: &Settings) -> Result<Segmentation> {
     image::check(image)?;
     let texture = Texture::new(image);
-    let mut whittle = Whittle::new(&Settings { length_range: settings.length_range, ..Settings::default() });
-    let mut candidates = candidates(tiles);
-    // In the end only motions compete that a whole region has confirmed, at what was measured there.
-    for _ in 0..ROUNDS {
-        let labels = to_pixels(&moving_points(&texture, &candidates), &texture, &candidates, image.dim());
-        let mut confirmed = Vec::new();
-        for (number, candidate) in candidates.iter().enumerate() {
-            if let Some(region) = measure(image, &labels, number as u8 + 1, candidate, &mut whittle)? {
-                let MotionBlur { length_px, angle, .. } = region.blur;
-                confirmed.push(Candidate { length_px, angle, ..candidate.clone() });
-            }
-        }
-        candidates = confirmed;
-    }
+    let settings = Settings { length_range: settings.length_range, ..Settings::default() };
+    let candidates = confirmed(image, &texture, candidates(tiles), &settings)?;
     let mut labels = to_pixels(&moving_points(&texture, &candidates), &texture, &candidates, image.dim());
     let mut moving: Vec<MovingRegion> = Vec::new();
-    for (number, candidate) in candidates.iter().enumerate() {
+    for (number, region) in measure_all(image, &labels, &candidates, &settings)?.into_iter().enumerate() {
         let (found, label) = (number as u8 + 1, moving.len() as u8 + 1);
-        let region = match measure(image, &labels, found, candidate, &mut whittle)? {
+        let region = match region {
             Some(region) => {
                 moving.push(MovingRegion { label, ..region });
                 label
@@ -106,13 +93,42 @@ pub fn segment(image: ArrayView2<'_, f32>, tiles: &[TileBlur], settings: &Settin
     Ok(Segmentation { labels, moving })
 }
 
+/// The motions that a whole region bears out, as they were measured there: only these compete in the end.
+fn confirmed(
+    image: ArrayView2<'_, f32>,
+    texture: &Texture,
+    candidates: Vec<Candidate>,
+    settings: &Settings,
+) -> Result<Vec<Candidate>> {
+    let labels = to_pixels(&moving_points(texture, &candidates), texture, &candidates, image.dim());
+    let regions = measure_all(image, &labels, &candidates, settings)?;
+    let confirmed = candidates.into_iter().zip(regions).filter_map(|(candidate, region)| {
+        let MotionBlur { length_px, angle, .. } = region?.blur;
+        Some(Candidate { length_px, angle, ..candidate })
+    });
+    Ok(confirmed.collect())
+}
+
+/// The region of each candidate, which has its number from 1 as its label.
+fn measure_all(
+    image: ArrayView2<'_, f32>,
+    labels: &Array2<u8>,
+    candidates: &[Candidate],
+    settings: &Settings,
+) -> Result<Vec<Option<MovingRegion>>> {
+    let numbered: Vec<(u8, &Candidate)> = (1..).zip(candidates).collect();
+    let measured =
+        each(&numbered, |&(label, candidate)| measure(image, labels, label, candidate, &mut Whittle::new(settings)));
+    measured.into_iter().collect()
+}
+
 /// Labels of the points of the grid: 0, or the number of a candidate from 1.
 fn moving_points(texture: &Texture, candidates: &[Candidate]) -> Array2<u8> {
     if candidates.is_empty() {
         return Array2::zeros(texture.dim());
     }
     let mut odds = vec![Array2::zeros(texture.dim())];
-    odds.extend(candidates.iter().map(|candidate| log_odds(texture, candidate)));
+    odds.extend(each(candidates, |candidate| log_odds(texture, candidate)));
     let mut labels = expansion::labels(&odds);
     for (number, candidate) in candidates.iter().enumerate() {
         keep_seeded(&mut labels, number as u8 + 1, candidate);

@@ -2,6 +2,7 @@
 
 use ndarray::{Array2, ArrayView2};
 
+use super::each::each;
 use super::gaussian::{derivative, filter, gaussian};
 
 /// Pixels from one point of the grid to the next.
@@ -40,35 +41,50 @@ pub(super) struct Texture {
     noise: [f32; SCALES],
 }
 
+/// The texture at one scale.
+struct Scale {
+    tensors: Vec<Tensor>,
+    gradient: (Array2<f32>, Array2<f32>),
+    /// Mean square of a derivative of white noise of variance 1.
+    of_white: f64,
+}
+
+impl Scale {
+    fn new(image: &Array2<f32>, sigma_px: f64) -> Self {
+        let (smooth, slope) = (gaussian(sigma_px), derivative(sigma_px));
+        let energy = |taps: &[f32]| taps.iter().map(|&tap| f64::from(tap).powi(2)).sum::<f64>();
+        let (x, y) = (filter(image, &slope, &smooth), filter(image, &smooth, &slope));
+        let blocks = [blocks(&x, &x), blocks(&x, &y), blocks(&y, &y)];
+        let of_window = |&window: &f64| {
+            let taps = window_taps(window.max(LEAST_WINDOW * sigma_px));
+            let [xx, xy, yy] = blocks.each_ref().map(|block| filter(block, &taps, &taps));
+            Tensor { xx, xy, yy }
+        };
+        Self {
+            tensors: WINDOWS_PX.iter().map(of_window).collect(),
+            gradient: (x, y),
+            of_white: energy(&smooth) * energy(&slope),
+        }
+    }
+}
+
 impl Texture {
     /// The texture of `image`, at least [`STEP_PX`] pixels each way.
     pub(super) fn new(image: ArrayView2<'_, f32>) -> Self {
         let image = image.to_owned();
-        let mut tensors = Vec::with_capacity(SCALES);
-        let mut gradients = Vec::with_capacity(CORRELATED.len());
-        let mut of_white = [0.0_f64; SCALES];
-        for (scale, &sigma) in SCALES_PX.iter().enumerate() {
-            let (smooth, slope) = (gaussian(sigma), derivative(sigma));
-            let energy = |taps: &[f32]| taps.iter().map(|&tap| f64::from(tap).powi(2)).sum::<f64>();
-            of_white[scale] = energy(&smooth) * energy(&slope);
-            let (x, y) = (filter(&image, &slope, &smooth), filter(&image, &smooth, &slope));
-            let blocks = [blocks(&x, &x), blocks(&x, &y), blocks(&y, &y)];
-            let of_window = |&window: &f64| {
-                let taps = window_taps(window.max(LEAST_WINDOW * sigma));
-                let [xx, xy, yy] = blocks.each_ref().map(|block| filter(block, &taps, &taps));
-                Tensor { xx, xy, yy }
-            };
-            tensors.push(WINDOWS_PX.iter().map(of_window).collect::<Vec<_>>());
-            if CORRELATED.contains(&scale) {
-                gradients.push((x, y));
-            }
-        }
+        let scales = each(&SCALES_PX, |&sigma| Scale::new(&image, sigma));
+        let of_white: Vec<f64> = scales.iter().map(|scale| scale.of_white).collect();
+        let (tensors, mut gradients): (Vec<_>, Vec<_>) =
+            scales.into_iter().map(|scale| (scale.tensors, scale.gradient)).unzip();
+        let mut scale = 0..;
+        gradients.retain(|_| scale.next().is_some_and(|scale| CORRELATED.contains(&scale)));
         let mut calm: Vec<f32> =
             tensors[0][1].xx.iter().zip(&tensors[0][1].yy).map(|(xx, yy)| 0.5 * (xx + yy)).collect();
         let place = (CALM * calm.len() as f64) as usize;
         let (_, &mut calm, _) = calm.select_nth_unstable_by(place, f32::total_cmp);
         let variance = (f64::from(calm) / of_white[0]).max(ROUNDING);
-        Self { tensors, gradients, noise: of_white.map(|energy| (energy * variance) as f32) }
+        let noise = std::array::from_fn(|scale| (of_white[scale] * variance) as f32);
+        Self { tensors, gradients, noise }
     }
 
     /// Rows and columns of the grid.

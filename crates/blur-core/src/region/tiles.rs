@@ -51,6 +51,11 @@ impl TilePlan {
         (self.rows, self.columns)
     }
 
+    /// Tiles from top to bottom and from left to right.
+    pub fn grid(&self) -> (usize, usize) {
+        (self.down, self.across)
+    }
+
     /// Side of a tile in pixels.
     pub fn tile_px(&self) -> usize {
         self.tile_px
