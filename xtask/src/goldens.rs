@@ -50,7 +50,7 @@ pub(crate) fn make() -> Result<()> {
 pub(crate) fn check_sample() -> Result<()> {
     let remade = run::target().join("sample.png");
     // Built for the whole workspace, as the tests were, nothing has to be built again: the features are the same.
-    run::succeed(&mut run::cargo(["build", "--workspace", "--example", "sample"]))?;
+    run::succeed(&mut run::workspace("build", ["--example", "sample"]))?;
     let program = run::target().join("debug/examples").join(format!("sample{EXE_SUFFIX}"));
     run::succeed(Command::new(program).arg(&remade))?;
     let read = |path: &Path| fs::read(path).map_err(|error| format!("{}: {error}", path.display()));

@@ -5,10 +5,15 @@ mod chromium;
 mod debian;
 mod firmware;
 mod goldens;
+mod native;
+mod package;
+mod python;
+mod ros;
 mod run;
 mod stack;
 mod tables;
 mod test;
+mod venv;
 
 use std::process::ExitCode;
 
@@ -18,9 +23,13 @@ The chores of this workspace.
 Usage: cargo xtask COMMAND
 
 Commands:
-  test               run every test and check that the fixtures can be remade
+  test [PART]        run every test and check that the fixtures can be remade,
+                     or only the steps that have PART in their names
   firmware           build both programs of the slider's boards and check
                      their budget of flash and memory
+  install-ffi --prefix DIR
+                     build the library for C and C++ and install it with its
+                     headers and what pkg-config and CMake need
   goldens            remake the fixtures and the picture of the README
   tables [ARGS]...   measure the accuracy of the methods (release build);
                      ARGS go to the program protocol-p, see 'tables --help'
@@ -41,14 +50,16 @@ fn main() -> ExitCode {
     };
     let outcome = match (command.as_str(), rest) {
         ("tables", rest) => tables::make(rest),
+        ("install-ffi", rest) => native::install(rest),
         ("help" | "-h" | "--help", _) => {
             println!("{USAGE}");
             Ok(())
         }
-        ("test" | "firmware" | "goldens", [unexpected, ..]) => {
+        ("test", []) => test::all(None),
+        ("test", [part]) => test::all(Some(part)),
+        ("test", [_, unexpected, ..]) | ("firmware" | "goldens", [unexpected, ..]) => {
             return usage_error(&format!("'{unexpected}' is not expected here"));
         }
-        ("test", []) => test::all(),
         ("firmware", []) => avr::provide(false).and_then(|compiler| firmware::build(&compiler)),
         ("goldens", []) => goldens::make(),
         (unknown, _) => return usage_error(&format!("'{unknown}' is not a command")),

@@ -25,6 +25,21 @@ pub(crate) fn cargo<'a>(arguments: impl IntoIterator<Item = &'a str>) -> Command
     command
 }
 
+/// Cargo's `subcommand` for all of the workspace, the node of ROS 2 included. Whatever is tested is built in this one way:
+/// other selections have other features, and nearly everything would be built again.
+pub(crate) fn workspace<'a>(subcommand: &'a str, arguments: impl IntoIterator<Item = &'a str>) -> Command {
+    let mut command = cargo([subcommand, "--workspace", "--features", "blur-ros/node"]);
+    command.args(arguments);
+    command
+}
+
+/// Builds programs of the workspace where [`target`] keeps those of the tests. Tests are asked for too: without them some
+/// dependencies would have fewer features, and all above them would be built again.
+pub(crate) fn build_programs<const N: usize>(names: [&str; N]) -> Result<()> {
+    let mut build = workspace("build", ["--tests"]);
+    succeed(build.args(names.iter().flat_map(|name| ["--bin", name])))
+}
+
 /// The command as one would type it.
 pub(crate) fn shown(command: &Command) -> String {
     let program = PathBuf::from(command.get_program());

@@ -1,6 +1,7 @@
 //! Everything that tests the project.
 
 use std::env;
+use std::fs;
 use std::io::{BufRead, BufReader};
 use std::ops::AddAssign;
 use std::path::PathBuf;
@@ -11,6 +12,10 @@ use crate::avr;
 use crate::chromium;
 use crate::firmware;
 use crate::goldens;
+use crate::native;
+use crate::package;
+use crate::python;
+use crate::ros;
 use crate::run::{self, Result};
 
 const DATA: &str = "BLUR_DATA";
@@ -24,16 +29,17 @@ const CI: &str = "CI";
 /// Where the data are when nobody says where, from the root of the workspace.
 const USUAL_DATA: &str = "../shared/data";
 
-/// Runs every test and prints a summary; the error says how many steps failed.
-pub(crate) fn all() -> Result<()> {
+/// Runs every test, or the steps whose names contain `part`, and prints a summary; the error says how many steps failed.
+pub(crate) fn all(part: Option<&str>) -> Result<()> {
     let data = find_data()?;
     match &data {
         Some(folder) => println!("data: {}", folder.display()),
         None => println!("data: {}", without_data()),
     }
-    let mut workspace = run::cargo(["test", "--workspace", "--no-fail-fast"]);
-    let mut long = run::cargo(["test", "-p", "e2e-tests", "--tests", "--no-fail-fast", "--", "--ignored"]);
-    let mut report = run::cargo(["test", "-p", "blur-cli", "--test", "browser", "--", "--ignored"]);
+    let mut workspace = run::workspace("test", ["--no-fail-fast"]);
+    let mut long = run::workspace("test", ["--no-fail-fast"]);
+    long.args(e2e_tests()?.iter().flat_map(|name| ["--test", name])).args(["--", "--ignored"]);
+    let mut report = run::workspace("test", ["--test", "browser", "--", "--ignored"]);
     let artefacts =
         env::var_os(ARTEFACTS).map_or_else(|| run::target().join("artefacts"), |folder| run::root().join(folder));
     report.env(ARTEFACTS, &artefacts);
@@ -43,40 +49,59 @@ pub(crate) fn all() -> Result<()> {
             command.env(DATA, folder);
         }
     }
-    let firmware = avr::provide(true);
-    let browser = chromium::provide();
-    // The firmware first: a test of the workspace runs it.
-    let mut steps = vec![
-        Step::run("firmware builds and keeps its budget", || {
-            firmware::build(firmware.as_ref().map_err(Clone::clone)?).map(|()| Counts::default())
-        }),
-        Step::run("firmware in the simulator", simulate),
-        Step::run("tests and examples in the documentation", || count(&mut workspace)),
-        Step::run("long tests, which a plain 'cargo test' leaves out", || count(&mut long)),
-        Step::run("the sample can be remade byte by byte", || goldens::check_sample().map(|()| Counts::default())),
-    ];
     let may_skip = env::var_os(CI).is_none_or(|value| value != "true");
-    if browser.is_ok() || !may_skip {
-        steps.push(Step::run("the report in a browser", || {
-            count(report.env(chromium::BROWSER, browser.as_ref().map_err(Clone::clone)?))
-        }));
-    }
-    println!("\nSummary");
-    for step in &steps {
-        step.print();
-    }
-    match &browser {
-        Ok(_) => println!("  pictures of the report: {}", artefacts.join("report").display()),
-        Err(why) if may_skip => println!("  skipped: the report in a browser; {why}"),
-        Err(_) => {}
+    let mut steps = Steps { part, may_skip, done: Vec::new(), skipped: Vec::new() };
+    let none = |()| Counts::default();
+    // The firmware first: a test of the workspace runs it.
+    steps.run("firmware builds and keeps its budget", || firmware::build(&avr::provide(true)?).map(none));
+    steps.run("firmware in the simulator", simulate);
+    steps.run("tests and examples in the documentation", || count(&mut workspace));
+    steps.run("long tests, which a plain 'cargo test' leaves out", || count(&mut long));
+    steps.run("the sample can be remade byte by byte", || goldens::check_sample().map(none));
+    steps.run_with("the report in a browser", chromium::provide, |browser| {
+        println!("pictures of the report: {}", artefacts.join("report").display());
+        count(report.env(chromium::BROWSER, browser))
+    });
+    let tools = || native::provide(!may_skip);
+    steps.run_with("C and C++: the headers stand alone", tools, |()| native::check_headers().map(none));
+    steps.run_with("C and C++: programs", tools, |()| count(&mut native::build_examples()?));
+    steps.run_with("C and C++: sanitizers", tools, |()| native::sanitize().map(none));
+    steps.run_with("ROS 2 bags and the node", ros::provide, |environment| ros::test(&environment));
+    steps.run_with("Python: the package", python::provide, |package| python::test(&package, data.as_deref()));
+    steps.run_with(
+        "Python: the distributed examples",
+        || Ok((python::provide_engines()?, python::provide()?)),
+        |(engines, package)| python::test_engines(&engines, &package),
+    );
+    steps.run("crates: packages build by themselves", || package::build().map(none));
+    steps.run_with("crates: the oldest compiler promised", package::oldest_compiler, |version| {
+        package::check_with(&version).map(none)
+    });
+    match package::baseline() {
+        Ok(baseline) => steps.run_with(
+            "crates: interfaces keep what was promised",
+            || package::semver(!may_skip),
+            |program| package::compare(&program, &baseline).map(none),
+        ),
+        Err(why) => steps.skipped.push(("crates: interfaces keep what was promised", why)),
     }
     if data.is_none() {
-        println!("  skipped: {}", without_data());
+        steps.skipped.push(("measurements of real photographs", without_data()));
     }
-    match steps.iter().filter(|step| step.outcome.is_err()).count() {
-        0 => Ok(()),
-        failed => Err(format!("{failed} of {} steps failed", steps.len())),
-    }
+    steps.summarise()
+}
+
+/// Names of the tests in `tests/`.
+fn e2e_tests() -> Result<Vec<String>> {
+    let folder = run::root().join("tests/tests");
+    let files = fs::read_dir(&folder).map_err(|error| format!("{}: {error}", folder.display()))?;
+    let mut names: Vec<String> = files
+        .filter_map(|file| Some(file.ok()?.path()))
+        .filter(|path| path.extension().is_some_and(|extension| extension == "rs"))
+        .filter_map(|path| Some(path.file_stem()?.to_string_lossy().into_owned()))
+        .collect();
+    names.sort();
+    Ok(names)
 }
 
 /// Runs the firmware and the simulator's own tests. That no test was run is an error.
@@ -109,10 +134,10 @@ fn find_data() -> Result<Option<PathBuf>> {
 
 /// Numbers of tests.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-struct Counts {
-    passed: u32,
-    failed: u32,
-    ignored: u32,
+pub(crate) struct Counts {
+    pub(crate) passed: u32,
+    pub(crate) failed: u32,
+    pub(crate) ignored: u32,
 }
 
 impl AddAssign for Counts {
@@ -165,13 +190,6 @@ struct Step {
 }
 
 impl Step {
-    fn run(name: &'static str, work: impl FnOnce() -> Result<Counts>) -> Self {
-        println!("\n=== {name}");
-        let start = Instant::now();
-        let outcome = work();
-        Self { name, outcome, took: start.elapsed() }
-    }
-
     fn print(&self) {
         let Self { name, took, .. } = self;
         let seconds = took.as_secs();
@@ -182,6 +200,66 @@ impl Step {
                 println!("  ok      {name}: {passed} passed, {ignored} left out, {seconds} s");
             }
             Err(error) => println!("  FAILED  {name}, {seconds} s: {error}"),
+        }
+    }
+}
+
+/// All parts of the tests, those done and those left out.
+struct Steps<'a> {
+    /// Only those whose names contain it.
+    part: Option<&'a str>,
+    may_skip: bool,
+    done: Vec<Step>,
+    skipped: Vec<(&'static str, String)>,
+}
+
+impl Steps<'_> {
+    fn run(&mut self, name: &'static str, work: impl FnOnce() -> Result<Counts>) {
+        if !self.is_asked(name) {
+            return;
+        }
+        println!("\n=== {name}");
+        let start = Instant::now();
+        let outcome = work();
+        self.done.push(Step { name, outcome, took: start.elapsed() });
+    }
+
+    /// A part that needs something that not every machine has: without it the part is left out where that is allowed, and
+    /// the summary tells what to install; else it is an error.
+    fn run_with<T>(
+        &mut self,
+        name: &'static str,
+        provide: impl FnOnce() -> Result<T>,
+        work: impl FnOnce(T) -> Result<Counts>,
+    ) {
+        if !self.is_asked(name) {
+            return;
+        }
+        match provide() {
+            Err(why) if self.may_skip => self.skipped.push((name, why)),
+            provided => self.run(name, || work(provided?)),
+        }
+    }
+
+    fn is_asked(&self, name: &str) -> bool {
+        self.part.is_none_or(|part| name.contains(part))
+    }
+
+    /// Prints what became of them; the error says how many failed.
+    fn summarise(&self) -> Result<()> {
+        println!("\nSummary");
+        for step in &self.done {
+            step.print();
+        }
+        for (name, why) in &self.skipped {
+            println!("  skipped {name}: {why}");
+        }
+        match self.done.iter().filter(|step| step.outcome.is_err()).count() {
+            0 if self.done.is_empty() && self.skipped.is_empty() => {
+                Err(format!("no step has '{}' in its name", self.part.unwrap_or_default()))
+            }
+            0 => Ok(()),
+            failed => Err(format!("{failed} of {} steps failed", self.done.len())),
         }
     }
 }
