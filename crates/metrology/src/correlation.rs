@@ -87,6 +87,7 @@ impl Correlation {
         (0..self.size).any(|j| j != i && self.get(i, j) != 0.0)
     }
 
+    #[cfg(feature = "monte-carlo")]
     /// Row `i` of a matrix whose product with its transpose is this one: it makes correlated normals of independent
     /// ones (JCGM 101 C.5).
     pub(crate) fn factor_row(&self, i: usize) -> &[f64] {

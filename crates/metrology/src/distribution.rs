@@ -1,13 +1,12 @@
 use std::fmt;
 
-use serde::Serialize;
-
 use crate::Error;
 use crate::error::check;
 
 /// Shape of the state of knowledge about an input; its place and width are the input's value and standard uncertainty.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-#[serde(rename_all = "snake_case")]
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "snake_case"))]
 #[non_exhaustive]
 pub enum Distribution {
     /// Normal.

@@ -1,5 +1,3 @@
-use serde::Serialize;
-
 use crate::error::{check, degrees_of_freedom};
 use crate::{Distribution, Error, Measurement, TypeA, type_b, welch_satterthwaite};
 
@@ -14,11 +12,12 @@ use crate::{Distribution, Error, Measurement, TypeA, type_b, welch_satterthwaite
 /// assert_eq!(limits.std(), 0.5 / 3.0_f64.sqrt());
 /// # Ok::<(), metrology::Error>(())
 /// ```
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct Input {
     label: String,
     unit: String,
-    #[serde(flatten)]
+    #[cfg_attr(feature = "serde", serde(flatten))]
     estimate: Measurement,
     dof: f64,
     distribution: Distribution,

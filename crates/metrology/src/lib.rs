@@ -54,6 +54,7 @@ mod input;
 pub mod joint;
 pub mod least_squares;
 mod measurement;
+#[cfg(feature = "monte-carlo")]
 pub mod monte_carlo;
 mod propagate;
 mod quantile;

@@ -1,5 +1,3 @@
-use serde::Serialize;
-
 use crate::Error;
 
 /// An estimate and its standard uncertainty, both in the same unit.
@@ -13,7 +11,8 @@ use crate::Error;
 /// assert_eq!(tooth_mm.to_string(), "3.174(35)");
 /// # Ok::<(), metrology::Error>(())
 /// ```
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct Measurement {
     value: f64,
     std: f64,

@@ -2,12 +2,11 @@
 
 mod table;
 
-use serde::Serialize;
-
 use crate::{Combined, Coverage, Distribution, Error, Input, coverage};
 
 /// One input of a budget.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct Row {
     /// Label of the input.
     pub label: String,
@@ -31,7 +30,8 @@ pub struct Row {
 
 /// An uncertainty budget with its expanded uncertainty. It serialises as it is; [`Budget::to_text`] and
 /// [`Budget::to_markdown`] round.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct Budget {
     /// Name of the output quantity.
     pub measurand: String,
