@@ -8,8 +8,8 @@ use blur_benches::{
     ANGLE_DEG, FFT, Id, LENGTH_PX, Timing, blurred_frame, blurred_picture, median_ns, sharp_picture, table,
 };
 use blur_core::Result;
-use blur_core::estimate::joint::{Stage, Whittle};
-use blur_core::estimate::{AxialAngle, JointEstimator, Pair, Settings, registry};
+use blur_core::estimate::joint::{Stage, Tracker, Whittle};
+use blur_core::estimate::{AxialAngle, Heading, JointEstimator, Pair, Settings, registry};
 use blur_core::region::{TileEstimator, TilePlan, measure_tiles, segment};
 use blur_core::restore::{LineBlur, Method, Restorer};
 use blur_core::spectrum::Dft2;
@@ -131,6 +131,11 @@ fn time_all(criterion: &mut Criterion, picture: ArrayView2<'_, f32>, still: Arra
         let mut estimator = method.build(&settings);
         bench.time("joint", method.name, || estimator.estimate(picture))?;
     }
+    // Frames that follow each other: the fit from the one before, and the displacement since.
+    let mut tracker = Tracker::new(&settings);
+    bench.time("sequence", "whittle-tracked", || tracker.estimate(picture))?;
+    let mut heading = Heading::new();
+    bench.time("sequence", "heading", || Ok(heading.next(picture, Some((angle, LENGTH_PX)))))?;
     for method in registry::REFERENCE {
         let mut estimator = method.build(&[still], &settings)?;
         bench.time("joint", method.name, || estimator.estimate(picture))?;

@@ -2,13 +2,18 @@
 #![allow(clippy::unwrap_used, reason = "a picture that cannot be made or measured fails the test")]
 
 use allocation_counter::measure;
+use blur_core::camera::Scale;
 use blur_core::estimate::registry::{ANGLE, JOINT, LENGTH, REFERENCE};
 use blur_core::estimate::{AxialAngle, JointEstimator, KnownAngle, Pair, Settings};
+use blur_core::image::{Channels, PixelFormat, Pixels, SampleType};
+use blur_core::meter::{Configuration, Geometry, Meter};
+use blur_core::motion::Exposure;
 use blur_core::restore::{LineBlur, Method, Restorer};
 use blur_sim::expose::expose_padded;
 use blur_sim::motion::Motion;
 use blur_sim::rng::Rng;
 use blur_sim::scene::{DeadLeaves, dead_leaves};
+use metrology::Measurement;
 use ndarray::Array2;
 
 /// Square, rectangular both ways, odd, prime, and one large enough for every subsampling.
@@ -80,10 +85,11 @@ fn length_methods_allocate_only_for_the_first_picture_of_a_size_whatever_the_ang
             for first_deg in [0.0, 90.0] {
                 let mut estimator = method.build(&Settings::default());
                 estimator.estimate(pictures[0].view(), AxialAngle::from_deg(first_deg)).unwrap();
-                for (i, picture) in pictures.iter().enumerate() {
-                    for deg in ANGLES_DEG {
+                for (turn, deg) in ANGLES_DEG.into_iter().enumerate() {
+                    // Each angle with other pictures; all of them with all would take minutes.
+                    for i in [turn, turn + 3].map(|turn| turn % pictures.len()) {
                         let (found, count) =
-                            allocations(|| estimator.estimate(picture.view(), AxialAngle::from_deg(deg)));
+                            allocations(|| estimator.estimate(pictures[i].view(), AxialAngle::from_deg(deg)));
                         found.unwrap();
                         assert_eq!(count, 0, "{} {dim:?} picture {i} at {deg} after {first_deg}", method.name);
                     }
@@ -122,6 +128,34 @@ fn methods_that_have_stills_allocate_only_when_they_are_built() {
             }
         }
     }
+}
+
+#[test]
+fn a_meter_on_frames_that_follow_each_other_allocates_only_for_the_first_of_a_size() {
+    let measured = |value: f64, std: f64| Measurement::new(value, std).unwrap();
+    let mut configuration = Configuration::default();
+    (configuration.tracking, configuration.directed) = (true, true);
+    configuration.exposure = Some(Exposure::new(measured(0.1, 1e-4)).unwrap());
+    configuration.geometry = Some(Geometry::Scale(Scale::new(measured(1e-3, 1e-6)).unwrap()));
+    let format = PixelFormat { sample: SampleType::U8, channels: Channels::Bgr };
+    let (rows, columns) = (300, 411);
+    let row_bytes = 3 * columns + 5;
+    let mut meter = Meter::new(configuration).unwrap();
+    let mut tracked = 0;
+    for (i, picture) in pictures((rows, columns)).iter().enumerate() {
+        let mut bytes = vec![0_u8; rows * row_bytes];
+        for ((row, column), value) in picture.indexed_iter() {
+            bytes[row * row_bytes + 3 * column..][..3].fill(value.clamp(0.0, 255.0) as u8);
+        }
+        let pixels = Pixels::new(&bytes, columns, rows, row_bytes, format).unwrap();
+        // Noise around 0 and one bright pixel are not all pictures any more when they are cut to codes.
+        for repetition in 0..3 {
+            let (found, count) = allocations(|| meter.measure(&pixels));
+            assert!(count == 0 || (i, repetition) == (0, 0), "picture {i}: {count} allocations");
+            tracked += u32::from(found.is_ok_and(|record| record.tracked));
+        }
+    }
+    assert!(tracked >= 6, "only {tracked} frames were tracked");
 }
 
 #[test]

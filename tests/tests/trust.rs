@@ -13,7 +13,7 @@ use e2e_tests::data;
 fn outcomes(table: &str) -> Option<Vec<Outcome>> {
     let plan = Plan {
         images: data::folder()?,
-        method: Method::recommended().unwrap(),
+        method: Method::recommended(),
         only: None,
         per_level: 216,
         fields: 30,
@@ -91,7 +91,7 @@ fn pictures_without_motion_are_never_called_ok() {
 
 fn photograph(path: &std::path::Path) -> MotionBlur {
     let picture = picture::read(path, Linearize::Auto).unwrap();
-    let mut estimator = Method::recommended().unwrap().build(&Settings::default());
+    let mut estimator = Method::recommended().build(&Settings::default());
     estimator.estimate(picture.luma.view()).unwrap()
 }
 

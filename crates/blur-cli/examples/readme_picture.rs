@@ -29,7 +29,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let grey = image::load_from_memory(sample::PNG)?.into_luma8();
     let (columns, rows) = (grey.width() as usize, grey.height() as usize);
     let picture = Array2::from_shape_vec((rows, columns), grey.iter().map(|&p| f32::from(p)).collect())?;
-    let blur = Method::recommended()?.build(&Settings::default()).estimate(picture.view())?;
+    let blur = Method::recommended().build(&Settings::default()).estimate(picture.view())?;
 
     let mut canvas = RgbImage::from_pixel((2 * SIDE + GAP) as u32, SIDE as u32, Rgb([255; 3]));
     let middle = Region { x: (columns - SIDE) / 2, y: (rows - SIDE) / 2, width: SIDE, height: SIDE };

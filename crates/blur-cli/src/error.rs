@@ -28,71 +28,9 @@ pub enum Error {
     /// A pattern has wrong syntax.
     #[error("not a valid file pattern: {0}")]
     Pattern(#[from] glob::PatternError),
-    /// A file is empty.
-    #[error("the file is empty")]
-    EmptyFile,
-    /// The content of a file is no picture.
-    #[error("not a picture in PNG, JPEG or TIFF format: the file begins with \"{start}\"")]
-    NotAPicture {
-        /// The first bytes, with unprintable ones escaped.
-        start: String,
-    },
-    /// The content is a picture in a format that is not read.
-    #[error("a picture in {format} format; only PNG, JPEG and TIFF can be read")]
-    OtherFormat {
-        /// Name of the format.
-        format: &'static str,
-    },
-    /// The file is larger than any picture that can be decoded.
-    #[error("the file is larger than {limit} bytes")]
-    FileTooLarge {
-        /// Largest size in bytes.
-        limit: u64,
-    },
-    /// The header announces more pixels than the memory limit allows.
-    #[error(
-        "the header announces {width}x{height} pixels and {bytes} bytes; at most {max_pixels} pixels and {max_bytes} bytes are decoded"
-    )]
-    TooLarge {
-        /// Columns announced.
-        width: u32,
-        /// Rows announced.
-        height: u32,
-        /// Size of the decoded picture in bytes.
-        bytes: u64,
-        /// Most pixels.
-        max_pixels: u64,
-        /// Most decoded bytes.
-        max_bytes: u64,
-    },
-    /// The picture data end too early.
-    #[error("the {format} data end too early: the file is truncated")]
-    Truncated {
-        /// Name of the format.
-        format: &'static str,
-    },
-    /// The decoder refuses the content.
-    #[error("cannot be decoded: {0}")]
-    Decode(#[from] image::ImageError),
-    /// The TIFF decoder refuses the content.
-    #[error("cannot be decoded: {0}")]
-    DecodeTiff(#[from] tiff::TiffError),
-    /// The samples are of a kind that is not read.
-    #[error("pictures with {kind} samples cannot be read")]
-    Samples {
-        /// What the samples are.
-        kind: String,
-    },
-    /// The decoder gave fewer or more samples than the size announced.
-    #[error("{samples} samples do not fill a picture of {width}x{height} pixels")]
-    SampleCount {
-        /// Samples decoded.
-        samples: usize,
-        /// Columns.
-        width: usize,
-        /// Rows.
-        height: usize,
-    },
+    /// A picture file is refused.
+    #[error(transparent)]
+    Picture(#[from] blur_picture::Error),
     /// The picture or a parameter of the measurement is refused.
     #[error(transparent)]
     Estimate(#[from] blur_core::Error),
@@ -374,6 +312,30 @@ pub enum Error {
         /// Points of the board.
         expected: usize,
     },
+    /// A bag is refused, or cannot be written.
+    #[error(transparent)]
+    Ros(#[from] blur_ros::Error),
+    /// A bag is one of several inputs.
+    #[error("one of the {inputs} inputs is a bag: measure a bag alone")]
+    BagAmongOthers {
+        /// Number of inputs.
+        inputs: usize,
+    },
+    /// An option has no meaning for bags.
+    #[error("{option} cannot be used with a bag: it is for picture files")]
+    NotForBags {
+        /// The option.
+        option: &'static str,
+    },
+    /// An option has a meaning only for bags.
+    #[error("{option} needs a bag of ROS 2 as the input")]
+    OnlyForBags {
+        /// The option.
+        option: &'static str,
+    },
+    /// The distance of a motion tells nothing without a camera.
+    #[error("--distance needs --camera")]
+    DistanceAlone,
     /// The worker threads could not be started.
     #[error("cannot start the worker threads: {0}")]
     Threads(#[from] rayon::ThreadPoolBuildError),

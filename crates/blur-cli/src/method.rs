@@ -7,9 +7,7 @@ use blur_core::estimate::{AxialAngle, JointEstimator, KnownAngle, Pair, Settings
 
 use crate::{Error, Result};
 
-type Angle = registry::Method<Box<dyn blur_core::estimate::AngleEstimator>>;
 type Length = registry::Method<Box<dyn blur_core::estimate::LengthEstimator>>;
-type Joint = registry::Method<Box<dyn JointEstimator>>;
 
 /// A choice of estimator.
 #[derive(Clone)]
@@ -17,33 +15,27 @@ pub struct Method(Choice);
 
 #[derive(Clone)]
 enum Choice {
-    Joint(&'static Joint),
-    Pair(&'static Angle, &'static Length),
+    Registered(registry::Choice),
     KnownAngle(AxialAngle, &'static Length),
     /// The estimator itself: it knows its stills.
     Reference(&'static str, Arc<Reference>),
 }
 
 impl Method {
-    /// The first joint method or, if there is none, the first angle and the first length method.
-    pub fn recommended() -> Result<Self> {
-        match registry::JOINT.first() {
-            Some(joint) => Ok(Self(Choice::Joint(joint))),
-            None => Self::pair(None, None),
-        }
+    /// The first joint method.
+    pub fn recommended() -> Self {
+        Self(Choice::Registered(registry::Choice::default()))
     }
 
     /// The joint method called `name`, or the pair called `ANGLE+LENGTH`.
     pub fn named(name: &str) -> Result<Self> {
-        match name.split_once('+') {
-            Some((angle, length)) => Self::pair(Some(angle), Some(length)),
-            None => match registry::joint(name) {
-                Ok(joint) => Ok(Self(Choice::Joint(joint))),
-                Err(_) if registry::REFERENCE.iter().any(|method| method.name == name) => {
-                    Err(Error::NeedsStills { method: name.to_owned() })
-                }
-                Err(_) => Err(unknown(name)),
-            },
+        match name.parse() {
+            Ok(choice) => Ok(Self(Choice::Registered(choice))),
+            Err(_) if registry::REFERENCE.iter().any(|method| method.name == name) => {
+                Err(Error::NeedsStills { method: name.to_owned() })
+            }
+            Err(error) if name.contains('+') => Err(error.into()),
+            Err(_) => Err(unknown(name)),
         }
     }
 
@@ -53,7 +45,7 @@ impl Method {
             Some(name) => registry::angle(name)?,
             None => registry::ANGLE.first().ok_or(Error::NoMethod { kind: "angle" })?,
         };
-        Ok(Self(Choice::Pair(angle, length_method(length)?)))
+        Ok(Self(Choice::Registered(registry::Choice::Pair(angle, length_method(length)?))))
     }
 
     /// A length method along a known angle; `None` is the first of the registry.
@@ -66,11 +58,18 @@ impl Method {
         Self(Choice::Reference(name, Arc::new(estimator)))
     }
 
+    /// The method in the registry, unless it needs more than that: a known angle or sharp pictures.
+    pub fn choice(&self) -> Option<registry::Choice> {
+        match self.0 {
+            Choice::Registered(choice) => Some(choice),
+            Choice::KnownAngle(..) | Choice::Reference(..) => None,
+        }
+    }
+
     /// The name in results: that of the joint method, `ANGLE+LENGTH` or `known-angle+LENGTH`.
     pub fn name(&self) -> String {
         match &self.0 {
-            Choice::Joint(joint) => joint.name.to_owned(),
-            Choice::Pair(angle, length) => format!("{}+{}", angle.name, length.name),
+            Choice::Registered(choice) => choice.to_string(),
             Choice::KnownAngle(_, length) => format!("known-angle+{}", length.name),
             Choice::Reference(name, _) => (*name).to_owned(),
         }
@@ -80,7 +79,9 @@ impl Method {
     pub fn check_acceleration(&self) -> Result<()> {
         match &self.0 {
             Choice::Reference(..) => Ok(()),
-            Choice::Joint(joint) if registry::ACCELERATION.contains(&joint.name) => Ok(()),
+            Choice::Registered(registry::Choice::Joint(joint)) if registry::ACCELERATION.contains(&joint.name) => {
+                Ok(())
+            }
             _ => Err(Error::NoAcceleration { method: self.name(), known: registry::ACCELERATION.join(", ") }),
         }
     }
@@ -88,7 +89,7 @@ impl Method {
     /// Refuses a method that cannot measure the part that a mask marks.
     pub fn check_mask(&self) -> Result<()> {
         match &self.0 {
-            Choice::Joint(joint) if registry::WEIGHTED.contains(&joint.name) => Ok(()),
+            Choice::Registered(registry::Choice::Joint(joint)) if registry::WEIGHTED.contains(&joint.name) => Ok(()),
             _ => Err(Error::NoMask { method: self.name(), known: registry::WEIGHTED.join(", ") }),
         }
     }
@@ -97,8 +98,7 @@ impl Method {
     pub fn build(&self, settings: &Settings) -> Box<dyn JointEstimator> {
         match &self.0 {
             Choice::Reference(_, estimator) => Box::new(Reference::clone(estimator)),
-            Choice::Joint(joint) => joint.build(settings),
-            Choice::Pair(angle, length) => Box::new(Pair::new(angle.build(settings), length.build(settings))),
+            Choice::Registered(choice) => choice.build(settings),
             Choice::KnownAngle(angle, length) => {
                 Box::new(Pair::new(Box::new(KnownAngle(*angle)), length.build(settings)))
             }

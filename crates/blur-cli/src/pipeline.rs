@@ -60,7 +60,7 @@ fn measure(measurer: &mut Measurer<'_>, input: &Input, target: Option<&Option<Pa
         Input::File(path) => picture::load(path).map(Cow::Owned),
         Input::Sample => Ok(Cow::Borrowed(sample::PNG)),
     };
-    Some(bytes.and_then(|bytes| {
+    Some(bytes.map_err(Error::from).and_then(|bytes| {
         let options = measurer.options();
         let picture = picture::decode(&bytes, options.linearize)?;
         let mut finding = measurer.measure(input.name(), &picture)?;

@@ -1,7 +1,7 @@
 //! The sample picture that stands in when no input is given. It is part of the program, so it works anywhere.
 
 /// The picture as PNG: 512x512 grey pixels made by blur-sim.
-pub const PNG: &[u8] = include_bytes!(concat!(env!("CARGO_MANIFEST_DIR"), "/../../fixtures/sample.png"));
+pub const PNG: &[u8] = include_bytes!("../sample.png");
 
 /// What the sample is called in results.
 pub const NAME: &str = "fixtures/sample.png";

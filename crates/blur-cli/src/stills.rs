@@ -31,8 +31,8 @@ pub fn method(
     for input in input::expand(arguments) {
         let name = PathBuf::from(input.name());
         let read = match input {
-            Input::File(path) => picture::read(&path, linearize),
-            Input::Sample => picture::decode(sample::PNG, linearize),
+            Input::File(path) => picture::read(&path, linearize).map_err(Error::from),
+            Input::Sample => picture::decode(sample::PNG, linearize).map_err(Error::from),
             Input::Failed { error, .. } => Err(error),
         };
         match read {

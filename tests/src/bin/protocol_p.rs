@@ -63,7 +63,7 @@ fn main() -> ExitCode {
 }
 
 fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
-    let joint = arguments.joint.as_deref().map_or_else(Method::recommended, Method::named)?;
+    let joint = arguments.joint.as_deref().map_or_else(|| Ok(Method::recommended()), Method::named)?;
     let folder = data::folder().ok_or("the tables need the pictures of the data folder")?;
     if !arguments.real_only {
         let pictures = data::sharp_pictures(&folder)?;

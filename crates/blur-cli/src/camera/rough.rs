@@ -3,7 +3,7 @@
 use blur_core::camera::{Intrinsics, PARAMETERS};
 
 use crate::Result;
-use crate::exif::Focal;
+use crate::picture::Focal;
 
 /// Relative standard uncertainty of a focal length from that of the lens and the pitch of the sensor: makers round the
 /// length, and focusing changes it.

@@ -160,6 +160,11 @@ pub fn write_json(out: &mut impl Write, image: &str, outcome: Result<&Record, &E
 
 /// Writes why there is no result for a picture, as one JSON object on a line of its own.
 pub fn write_failure(out: &mut impl Write, image: &str, error: &Error) -> io::Result<()> {
-    serde_json::to_writer(&mut *out, &Failure { image, error: &error.one_line() })?;
+    write_failed(out, image, &error.one_line())
+}
+
+/// Writes why there is no result for a picture, in words on one line, as one JSON object on a line of its own.
+pub fn write_failed(out: &mut impl Write, image: &str, error: &str) -> io::Result<()> {
+    serde_json::to_writer(&mut *out, &Failure { image, error })?;
     out.write_all(b"\n")
 }

@@ -3,7 +3,7 @@
 use blur_core::camera::Scale;
 use blur_core::motion::{COVERAGE_K, RolledSpeed, SpeedChange};
 use metrology::combined_std;
-use serde::Serialize;
+use serde::{Serialize, Serializer};
 
 use crate::picture::RowsRun;
 
@@ -13,6 +13,7 @@ pub struct ReadoutFields {
     /// Time in seconds from the first row to the last.
     pub readout_s: f64,
     /// Where the rows follow each other in the upright picture.
+    #[serde(serialize_with = "name")]
     pub rows_run: RowsRun,
     /// The speed during the exposure.
     #[serde(flatten)]
@@ -23,6 +24,11 @@ pub struct ReadoutFields {
     /// Why the map gives none.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub change_reason: Option<String>,
+}
+
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "what the serializer calls it with")]
+fn name<S: Serializer>(rows_run: &RowsRun, serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.serialize_str(rows_run.name())
 }
 
 /// Two candidates, since one picture cannot tell a motion from its opposite. Down is along the rows as the sensor reads

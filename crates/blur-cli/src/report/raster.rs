@@ -19,14 +19,17 @@ pub fn photograph(picture: &Array2<u8>) -> Result<String> {
     let pixels = picture.iter().copied().collect();
     let grey = GrayImage::from_raw(columns as u32, rows as u32, pixels).ok_or_else(|| cannot_hold(rows, columns))?;
     let mut bytes = Vec::new();
-    grey.write_with_encoder(JpegEncoder::new_with_quality(&mut bytes, JPEG_QUALITY))?;
+    grey.write_with_encoder(JpegEncoder::new_with_quality(&mut bytes, JPEG_QUALITY)).map_err(Error::Encode)?;
     Ok(data_uri("image/jpeg", &bytes))
 }
 
 /// A picture in its own colours as a JPEG of 8 bits, without its alpha.
 pub fn picture(picture: &DynamicImage) -> Result<String> {
     let mut bytes = Vec::new();
-    picture.to_rgb8().write_with_encoder(JpegEncoder::new_with_quality(&mut bytes, JPEG_QUALITY))?;
+    picture
+        .to_rgb8()
+        .write_with_encoder(JpegEncoder::new_with_quality(&mut bytes, JPEG_QUALITY))
+        .map_err(Error::Encode)?;
     Ok(data_uri("image/jpeg", &bytes))
 }
 
@@ -36,12 +39,12 @@ pub fn values(values: &Array2<f64>, colour: impl Fn(f64) -> [u8; 4]) -> Result<S
     let pixels = values.iter().flat_map(|&value| colour(value)).collect();
     let picture = RgbaImage::from_raw(columns as u32, rows as u32, pixels).ok_or_else(|| cannot_hold(rows, columns))?;
     let mut bytes = Cursor::new(Vec::new());
-    DynamicImage::from(picture).write_to(&mut bytes, ImageFormat::Png)?;
+    DynamicImage::from(picture).write_to(&mut bytes, ImageFormat::Png).map_err(Error::Encode)?;
     Ok(data_uri("image/png", bytes.get_ref()))
 }
 
 fn cannot_hold(height: usize, width: usize) -> Error {
-    Error::SampleCount { samples: 0, width, height }
+    blur_picture::Error::SampleCount { samples: 0, width, height }.into()
 }
 
 /// Grey between `black` and `white`; what is not a number is transparent.

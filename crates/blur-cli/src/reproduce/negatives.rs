@@ -107,7 +107,7 @@ fn photograph(path: &Path) -> Result<Option<Array2<f32>>> {
     if !path.exists() {
         return Ok(None);
     }
-    let picture = picture::read(path, Linearize::Auto).map_err(|error| error.in_file(path))?;
+    let picture = picture::read(path, Linearize::Auto).map_err(|error| Error::from(error).in_file(path))?;
     Ok(Some(picture.luma))
 }
 

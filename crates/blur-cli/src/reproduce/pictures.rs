@@ -4,9 +4,9 @@ use std::path::{Path, PathBuf};
 
 use ndarray::Array2;
 
-use crate::Result;
 use crate::input::{self, Input};
 use crate::picture::{self, Linearize};
+use crate::{Error, Result};
 
 /// The variable that names the data folder.
 pub const FOLDER_VARIABLE: &str = "BLUR_DATA";
@@ -55,7 +55,7 @@ pub fn sharp_pictures(folder: &Path) -> Result<Vec<Sharp>> {
 }
 
 fn sharp(path: &Path) -> Result<Sharp> {
-    let picture = picture::read(path, Linearize::Off).map_err(|error| error.in_file(path))?;
+    let picture = picture::read(path, Linearize::Off).map_err(|error| Error::from(error).in_file(path))?;
     let name = path.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
     Ok(Sharp { name, luma: picture.luma.mapv(f64::from) })
 }

@@ -4,8 +4,8 @@ use blur_core::image::{linear_from_srgb, srgb_from_linear};
 use image::{DynamicImage, ImageBuffer, Pixel};
 use ndarray::Array2;
 
+use crate::Result;
 use crate::picture::Picture;
-use crate::{Error, Result};
 
 /// The channels of a picture on the scale 0 to 1, linear light where the tone curve was undone.
 pub(super) struct Samples {
@@ -43,7 +43,7 @@ impl Samples {
             DynamicImage::ImageLumaA8(p) => Self::from_u8(p.as_raw(), channels, dim, linearized),
             DynamicImage::ImageRgb8(p) => Self::from_u8(p.as_raw(), channels, dim, linearized),
             DynamicImage::ImageRgba8(p) => Self::from_u8(p.as_raw(), channels, dim, linearized),
-            other => return Err(Error::Samples { kind: format!("{:?}", other.color()) }),
+            other => return Err(blur_picture::Error::Samples { kind: format!("{:?}", other.color()) }.into()),
         })
     }
 
@@ -113,7 +113,7 @@ impl Samples {
             }
         };
         let samples = planes.iter().map(Vec::len).sum();
-        image.ok_or(Error::SampleCount { samples, width, height })
+        image.ok_or_else(|| blur_picture::Error::SampleCount { samples, width, height }.into())
     }
 }
 

@@ -2,8 +2,9 @@
 
 use std::fmt::Write;
 use std::num::NonZeroUsize;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
+use blur_cli::bag::{self, BagOptions};
 use blur_cli::measure::{Options, RestoreTo};
 use blur_cli::method::Method;
 use blur_cli::picture::Linearize;
@@ -25,10 +26,15 @@ use metrology::Measurement;
     after_long_help = guide(),
     max_term_width = 110
 )]
+#[expect(
+    clippy::doc_markdown,
+    reason = "the documentation of the options is the help, where names stand as they are typed"
+)]
+#[expect(clippy::struct_excessive_bools, reason = "options that are given or not")]
 pub(crate) struct Args {
-    /// Pictures (PNG, JPEG, TIFF), folders of pictures, or patterns such as 'run*.png'; the built-in sample if none
-    /// is given
-    #[arg(value_name = "IMAGE|DIR|GLOB")]
+    /// Pictures (PNG, JPEG, TIFF), folders of pictures, or patterns such as 'run*.png', or one bag of ROS 2 (MCAP); the
+    /// built-in sample if none is given
+    #[arg(value_name = "IMAGE|DIR|GLOB|BAG")]
     pub(crate) inputs: Vec<PathBuf>,
 
     /// Method that finds angle and length together, or a pair ANGLE+LENGTH
@@ -100,16 +106,16 @@ pub(crate) struct Args {
     #[arg(long, value_name = "CAMERA.json", help_heading = "Speed", conflicts_with = "scale")]
     camera: Option<PathBuf>,
 
-    /// Distance from the camera to the plane of the motion, for instance 1.21m
-    #[arg(long, value_name = "LENGTH", help_heading = "Speed", value_parser = units::metres, requires = "camera")]
+    /// Distance from the camera to the plane of the motion, for instance 1.21m; with --camera, or the CameraInfo of a bag
+    #[arg(long, value_name = "LENGTH", help_heading = "Speed", value_parser = units::metres)]
     distance: Option<f64>,
 
     /// Standard uncertainty of the distance [default: none, the distance is taken as exact]
     #[arg(long, value_name = "LENGTH", help_heading = "Speed", value_parser = units::metres, requires = "distance")]
     distance_u: Option<f64>,
 
-    /// The camera turned and the scene stood still: report the angular rate; the focal length comes from --camera or,
-    /// roughly, from the EXIF data
+    /// The camera turned and the scene stood still: report the angular rate; the focal length comes from --camera, the
+    /// CameraInfo of a bag or, roughly, from the EXIF data
     #[arg(long, help_heading = "Speed", conflicts_with_all = ["scale", "distance"])]
     rotating: bool,
 
@@ -136,6 +142,22 @@ pub(crate) struct Args {
     /// Write report.html with all figures into this folder
     #[arg(long, value_name = "DIR", help_heading = "Output")]
     report: Option<PathBuf>,
+
+    /// Topic with the pictures of a bag [default: the only one]
+    #[arg(long, value_name = "TOPIC", help_heading = "Bag of ROS 2")]
+    topic: Option<String>,
+
+    /// Topic with the calibration of the camera of a bag [default: camera_info beside the pictures]
+    #[arg(long, value_name = "TOPIC", help_heading = "Bag of ROS 2")]
+    camera_info: Option<String>,
+
+    /// Start each frame of a bag from the result of the one before
+    #[arg(long, help_heading = "Bag of ROS 2")]
+    tracking: bool,
+
+    /// Write velocities (/blur/twist) and diagnostics (/diagnostics) into this bag
+    #[arg(short, long, value_name = "OUT.mcap", help_heading = "Bag of ROS 2")]
+    output: Option<PathBuf>,
 
     /// One JSON object a line on standard output, in the order of the inputs
     #[arg(long, help_heading = "Output")]
@@ -166,6 +188,33 @@ enum RestoreName {
 }
 
 impl Args {
+    /// The bag to be measured, if there is one. Options that go with another kind of input are refused.
+    pub(crate) fn bag(&self) -> Result<Option<(&Path, BagOptions)>> {
+        let options = BagOptions {
+            topic: self.topic.clone(),
+            info_topic: self.camera_info.clone(),
+            output: self.output.clone(),
+            tracking: self.tracking,
+        };
+        if let Some(path) = bag::among(&self.inputs)? {
+            return Ok(Some((path, options)));
+        }
+        for (option, is_given) in [
+            ("--topic", options.topic.is_some()),
+            ("--camera-info", options.info_topic.is_some()),
+            ("--output", options.output.is_some()),
+            ("--tracking", options.tracking),
+        ] {
+            if is_given {
+                return Err(Error::OnlyForBags { option });
+            }
+        }
+        if self.distance.is_some() && self.camera.is_none() {
+            return Err(Error::DistanceAlone);
+        }
+        Ok(None)
+    }
+
     /// The options of a run. What is refused here is a mistake on the command line.
     pub(crate) fn options(&self) -> Result<Options> {
         let linearize = match self.linearize {
@@ -187,7 +236,7 @@ impl Args {
             }
             (Some(name), _, _) => Method::named(name)?,
             (None, _, Some(deg)) => Method::known_angle(AxialAngle::from_deg(deg), length)?,
-            (None, None, None) if length.is_none() => Method::recommended()?,
+            (None, None, None) if length.is_none() => Method::recommended(),
             (None, angle, None) => Method::pair(angle.as_deref(), length)?,
         };
         if self.accel {
@@ -260,10 +309,8 @@ fn guide() -> String {
     list(&mut text, "Methods for --method with --reference", registry::REFERENCE.iter().map(|m| (m.name, m.summary)));
     list(&mut text, "Methods for --angle", registry::ANGLE.iter().map(|m| (m.name, m.summary)));
     list(&mut text, "Methods for --length", registry::LENGTH.iter().map(|m| (m.name, m.summary)));
-    if let Ok(method) = Method::recommended() {
-        // Writing to a String cannot fail.
-        let _ = writeln!(text, "Without any of these options: {}.\n", method.name());
-    }
+    // Writing to a String cannot fail.
+    let _ = writeln!(text, "Without any of these options: {}.\n", Method::recommended().name());
     text.push_str(EXPLANATION);
     text
 }
@@ -323,6 +370,15 @@ Pictures:
   as they are, alpha is ignored) or, linearized, luminance (BT.709 of the
   decoded sRGB light).
 
+Bags of ROS 2:
+  An MCAP file, or the folder of a rosbag2 with metadata.yaml. The pictures of
+  one topic (sensor_msgs Image with mono, rgb or bgr of 8 or 16 bits or 32FC1,
+  CompressedImage) are measured in their order; frames out of order, missing
+  or of another size start anew. Stored samples are taken as linear without
+  --linearize on, JPEG as for files. --output writes a bag with the velocity
+  (/blur/twist, in the optical frame: x right, y down) where there is a speed,
+  and with every field of each record (/diagnostics).
+
 JSON fields (--json), absent when not computed:
   image width height method linearized angle_deg angle_std_deg direction_deg
   length_px length_std_px correlation status reason accel_ratio
@@ -372,4 +428,6 @@ Examples:
            --scale 0.7789mm/px --scale-u 0.002mm/px slider.png
   estimate --json --jobs 4 'run1/*.png' run2 > results.jsonl
   estimate --accel blurred/ --reference still1.png still2.png
-  estimate --known-angle 0 --range 10,80 rail.tif";
+  estimate --known-angle 0 --range 10,80 rail.tif
+  estimate run.mcap --topic /camera/image_raw --exposure 10ms \\
+           --distance 2m -o velocities.mcap";

@@ -1,16 +1,19 @@
 //! Measures motion blur in pictures: `estimate --help`.
 
 mod args;
+mod bag;
 
 use std::env;
 use std::io::{self, IsTerminal, Write};
 use std::num::NonZeroUsize;
 use std::ops::ControlFlow;
+use std::path::Path;
 use std::process::ExitCode;
 use std::thread;
 
+use blur_cli::bag::BagOptions;
 use blur_cli::input::{self, Input};
-use blur_cli::measure::Finding;
+use blur_cli::measure::{Finding, Options};
 use blur_cli::record::{self, Record};
 use blur_cli::report::Report;
 use blur_cli::restore::target;
@@ -27,6 +30,11 @@ fn main() -> ExitCode {
         Ok(options) => options,
         Err(error) => Args::command().error(ErrorKind::ValueValidation, error.one_line()).exit(),
     };
+    match args.bag() {
+        Ok(None) => {}
+        Ok(Some((path, bag_options))) => return measure_bag(path, &options, &bag_options, args.json),
+        Err(error) => Args::command().error(ErrorKind::ValueValidation, error.one_line()).exit(),
+    }
     let inputs = if args.inputs.is_empty() {
         complain(&sample::description());
         vec![Input::Sample]
@@ -50,6 +58,20 @@ fn main() -> ExitCode {
         output.failed = true;
     }
     if output.failed { ExitCode::FAILURE } else { ExitCode::SUCCESS }
+}
+
+fn measure_bag(path: &Path, options: &Options, bag_options: &BagOptions, json: bool) -> ExitCode {
+    match bag::run(path, options, bag_options, json) {
+        Ok(true) => ExitCode::SUCCESS,
+        Ok(false) => ExitCode::FAILURE,
+        Err(error @ Error::NotForBags { .. }) => {
+            Args::command().error(ErrorKind::ValueValidation, error.one_line()).exit()
+        }
+        Err(error) => {
+            complain(&error.one_line());
+            ExitCode::FAILURE
+        }
+    }
 }
 
 /// Results on standard output, everything else on standard error.

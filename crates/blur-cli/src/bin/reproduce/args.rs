@@ -67,7 +67,7 @@ pub(crate) struct Args {
 impl Args {
     /// What is to be measured. What is refused here is a mistake on the command line.
     pub(crate) fn plan(&self) -> Result<Plan> {
-        let (mut method, mut only) = (Method::recommended()?, None);
+        let (mut method, mut only) = (Method::recommended(), None);
         if let Some(name) = &self.method {
             match Table::named(&self.table)?.judged {
                 Judged::Method | Judged::Own => method = Method::named(name)?,
