@@ -63,21 +63,20 @@ fn street(seed: u64) -> (Array2<u8>, Segmentation, Vec<(Mover, MovingRegion, f64
 }
 
 #[test]
-fn the_speeds_of_the_objects_found_on_a_street_lie_within_their_intervals() {
-    let mut overlaps = Vec::new();
+fn a_street_is_divided_into_what_stands_still_and_two_motions() {
     for seed in 0..3 {
-        for (mover, region, share) in street(seed).2 {
-            overlaps.push(share);
-            if share > 0.5 {
-                assert!(speed_holds(&region.blur, &mover.motion), "seed {seed}, {mover:?}: {region:?}");
-                let off_deg = region.blur.angle.distance_deg(mover.motion.angle());
-                assert!(off_deg < 1.0, "seed {seed}, {mover:?}: {region:?}");
-            }
+        let (truth, found, objects) = street(seed);
+        assert_eq!(found.moving.len(), 2, "seed {seed}: {:?}", found.moving);
+        for (mover, region, share) in objects {
+            assert!(share >= 0.8, "seed {seed}, {mover:?}: {region:?} {share:.3}");
+            assert!(speed_holds(&region.blur, &mover.motion), "seed {seed}, {mover:?}: {region:?}");
+            let off_deg = region.blur.angle.distance_deg(mover.motion.angle());
+            assert!(off_deg < 1.0, "seed {seed}, {mover:?}: {region:?}");
         }
+        let right = found.labels.iter().zip(&truth).filter(|(f, t)| **f == STILL && **t == 0).count();
+        let truly_still = truth.iter().filter(|label| **label == 0).count();
+        assert!(right * 10 > truly_still * 8, "seed {seed}: {right} of {truly_still} still");
     }
-    // Attained are 5 of 6 objects with 0.58, 0.79, 0.80, 0.80 and 0.89; the goal below is not reached.
-    overlaps.sort_by(f64::total_cmp);
-    assert!(overlaps[1] > 0.55 && overlaps[2] > 0.75, "{overlaps:?}");
 }
 
 #[test]

@@ -38,11 +38,11 @@ impl Candidate {
         self.seeds.iter().any(|seed| (seed.0 - x).abs().max((seed.1 - y).abs()) <= self.reach_px)
     }
 
-    /// Whether a measurement of the whole region agrees with its tiles.
-    pub(super) fn is_near(&self, blur: &MotionBlur) -> bool {
+    /// Whether a measurement of the whole region differs from its tiles by less than a share of the length.
+    pub(super) fn is_near(&self, blur: &MotionBlur, share: f64) -> bool {
         let tiles = AxialVector::of(self.length_px, self.angle);
         let whole = AxialVector::of(blur.length_px, blur.angle).towards(tiles);
-        (tiles.x - whole.x).hypot(tiles.y - whole.y) < TOLERANCE * self.length_px
+        (tiles.x - whole.x).hypot(tiles.y - whole.y) < share * self.length_px
     }
 }
 

@@ -2,12 +2,9 @@
 
 use ndarray::Array2;
 
+use super::borders::{Borders, NEIGHBOURS};
 use super::cut::Network;
 
-/// Cost of a border between neighbours beside or above each other, and across the corner: the length of a border is then
-/// much the same in all directions.
-const BESIDE: f32 = 5.0;
-const CORNER: f32 = 3.5;
 /// Times that every label is tried.
 const SWEEPS: usize = 2;
 /// Node of a point that keeps its label.
@@ -18,13 +15,13 @@ const FIXED: u32 = u32::MAX;
 ///
 /// *Reference*: Y. Boykov, O. Veksler and R. Zabih, *Fast approximate energy minimization via graph cuts*, IEEE
 /// Transactions on Pattern Analysis and Machine Intelligence 23 (2001) 1222: expansion moves for the Potts model.
-pub(super) fn labels(log_odds: &[Array2<f32>]) -> Array2<u8> {
+pub(super) fn labels(log_odds: &[Array2<f32>], borders: &Borders) -> Array2<u8> {
     let dim = log_odds.first().map_or((0, 0), Array2::dim);
     let mut labels = Array2::zeros(dim);
     for sweep in 0..SWEEPS {
         let before = labels.clone();
         for label in (1..log_odds.len()).chain([0]) {
-            expand(&mut labels, log_odds, label as u8);
+            expand(&mut labels, log_odds, borders, label as u8);
         }
         if sweep > 0 && labels == before {
             break;
@@ -34,7 +31,7 @@ pub(super) fn labels(log_odds: &[Array2<f32>]) -> Array2<u8> {
 }
 
 /// Gives `label` to the points that make it cheapest.
-fn expand(labels: &mut Array2<u8>, log_odds: &[Array2<f32>], label: u8) {
+fn expand(labels: &mut Array2<u8>, log_odds: &[Array2<f32>], borders: &Borders, label: u8) {
     let odds = &log_odds[usize::from(label)];
     // Only points that may change are nodes.
     let mut nodes = Array2::from_elem(labels.dim(), FIXED);
@@ -52,13 +49,12 @@ fn expand(labels: &mut Array2<u8>, log_odds: &[Array2<f32>], label: u8) {
         if node != FIXED {
             network.prefer_source(node as usize, odds[(row, column)] - log_odds[usize::from(now)][(row, column)]);
         }
-        let neighbours = [
-            (row, column + 1, BESIDE),
-            (row + 1, column, BESIDE),
-            (row + 1, column + 1, CORNER),
-            (row + 1, column.wrapping_sub(1), CORNER),
-        ];
-        for (r, c, border) in neighbours.into_iter().filter(|&(r, c, _)| r < rows && c < columns) {
+        for (direction, (down, across)) in NEIGHBOURS.into_iter().enumerate() {
+            let (r, c) = (row + down, column.wrapping_add_signed(across));
+            if r >= rows || c >= columns {
+                continue;
+            }
+            let border = borders.cost(direction, (row, column));
             let (other, other_node) = (labels[(r, c)], nodes[(r, c)]);
             // Costs of the border when both keep their labels, when only this point changes and when only that one does.
             let keep = if now == other { 0.0 } else { border };
@@ -89,16 +85,17 @@ mod tests {
     use super::*;
 
     /// Cost of labels by the definition.
-    fn cost(labels: &Array2<u8>, log_odds: &[Array2<f32>]) -> f32 {
+    fn cost(labels: &Array2<u8>, log_odds: &[Array2<f32>], borders: &Borders) -> f32 {
         let (rows, columns) = labels.dim();
         let mut sum = 0.0;
         for (at, &label) in labels.indexed_iter() {
             sum -= log_odds[usize::from(label)][at];
-            for other in labels.indexed_iter().filter(|(other, l)| *other > at && **l != label).map(|(other, _)| other)
-            {
-                sum += match (at.0.abs_diff(other.0), at.1.abs_diff(other.1)) {
-                    (0, 1) | (1, 0) => BESIDE,
-                    (1, 1) => CORNER,
+            for (other, _) in labels.indexed_iter().filter(|(other, l)| *other > at && **l != label) {
+                sum += match (other.0 - at.0, other.1 as i32 - at.1 as i32) {
+                    (0, 1) => borders.cost(0, at),
+                    (1, 0) => borders.cost(1, at),
+                    (1, 1) => borders.cost(2, at),
+                    (1, -1) => borders.cost(3, at),
                     _ => 0.0,
                 };
             }
@@ -119,13 +116,15 @@ mod tests {
             let dim = (3, 3);
             let odds: Vec<Array2<f32>> =
                 (0..count).map(|_| Array2::from_shape_fn(dim, |_| 30.0 * draw() - 15.0)).collect();
-            let found = cost(&labels(&odds), &odds);
+            let borders = Borders::of(|_| Array2::from_shape_fn(dim, |_| 6.0 * draw()));
+            let found = cost(&labels(&odds, &borders), &odds, &borders);
             let all = (0..(count as u32).pow(9)).map(|code| {
                 cost(
                     &Array2::from_shape_fn(dim, |(r, c)| {
                         (code / (count as u32).pow((3 * r + c) as u32) % count as u32) as u8
                     }),
                     &odds,
+                    &borders,
                 )
             });
             let least = all.fold(f32::INFINITY, f32::min);
@@ -133,13 +132,13 @@ mod tests {
             if count == 2 {
                 assert!((found - least).abs() < 1e-2, "{found} {least}");
             } else {
-                let best_single = labels(&odds);
-                assert!(found <= least + 20.0 * BESIDE + 1e-2);
+                let best_single = labels(&odds, &borders);
+                assert!(found <= least + 20.0 * 6.0 + 1e-2);
                 for (at, _) in best_single.indexed_iter() {
                     for other in 0..count as u8 {
                         let mut changed = best_single.clone();
                         changed[at] = other;
-                        assert!(cost(&changed, &odds) >= found - 1e-2, "{at:?} {other}");
+                        assert!(cost(&changed, &odds, &borders) >= found - 1e-2, "{at:?} {other}");
                     }
                 }
             }
@@ -153,6 +152,7 @@ mod tests {
         moves[(2, 2)] = f32::NEG_INFINITY;
         let mut expected = Array2::ones((9, 9));
         expected[(2, 2)] = 0;
-        assert_eq!(labels(&[Array2::zeros((9, 9)), moves]), expected);
+        let borders = Borders::of(|direction| Array2::from_elem((9, 9), if direction < 2 { 5.0 } else { 3.5 }));
+        assert_eq!(labels(&[Array2::zeros((9, 9)), moves], &borders), expected);
     }
 }

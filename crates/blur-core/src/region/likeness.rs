@@ -1,59 +1,104 @@
 //! How much a point looks as if it moved.
 
-use ndarray::Array2;
+use ndarray::{Array2, ArrayView2};
 
 use super::candidates::Candidate;
-use super::texture::{CORRELATED, SCALES, STEP_PX, Texture, WINDOWS};
+use super::each::each;
+use super::evidence::Cells;
+use super::grid::Grid;
+use super::texture::{CORRELATED, SCALES, Texture, WINDOWS};
+use crate::estimate::AxialAngle;
+use crate::{Result, image};
 
-/// Logistic regression of "this point moves so" on the texture: weights of the log energies along and across the motion
-/// and, at the scales that have one, of the correlation of the blur's ends; by scale, then by window. Blur takes the fine
-/// scales along the motion away, leaves those across it, and makes the ends correlate negatively.
-///
-/// Learnt from twelve streets (`blur_sim::street`, noise of 40 dB) made of odd kodak pictures, their objects and their
-/// backgrounds weighted alike.
-const WEIGHTS: [&[f32]; SCALES * WINDOWS] = [
-    &[-1.73, -0.04],
-    &[0.56, 0.92],
-    &[-0.04, 0.16, -0.01],
-    &[-1.10, -0.80, -8.78],
-    &[0.89, 0.11, 0.10],
-    &[-3.21, 1.01, 3.64],
-    &[-0.78, 0.06],
-    &[4.42, -0.66],
+/// Windows in which the spectrum around a point is looked at: side in pixels, and what the logarithm of the likelihood of a bin
+/// counts there.
+const SPECTRA: [(usize, f64); 2] = [(32, 1.0), (64, 0.25)];
+/// The evidence of a spectrum counts once for each of these, up to about which it counts in proportion.
+const LIMITS: [f32; 3] = [5.0, 20.0, 80.0];
+/// Terms that the logarithm of the odds is a sum of: along and across the motion the logarithms of the energy, by scale, then
+/// by window, and at the scales that have one the correlation of the blur's ends; then the evidence of the spectra, limited.
+pub const LIKENESS_TERMS: usize = 2 * SCALES * WINDOWS + CORRELATED.len() * WINDOWS + SPECTRA.len() * LIMITS.len();
+type Terms = [f32; LIKENESS_TERMS];
+
+/// Logistic regression of "this point moves so", learnt by `cargo run --release -p e2e-tests --bin learn-likeness` from streets
+/// (`blur_sim::street`) of design pictures, their objects and their backgrounds weighted alike.
+const WEIGHTS: Terms = [
+    -0.139, 0.008, 0.435, 0.334, -0.130, -0.226, 0.005, -0.504, 0.374, -2.848, 0.307, 0.079, 0.281, -1.627, -0.229,
+    -0.859, 0.189, -0.202, 1.480, 0.065, -0.034, 1.327, 1.966, 0.771, 1.703, -2.553,
 ];
-const INTERCEPT: f32 = 3.25;
-/// Beyond this, evidence counts no more: the model is not as sure as it sounds.
-const LIMIT: f32 = 8.0;
+const INTERCEPT: f32 = 0.075;
 
-/// Scale and window by which a point has texture or not, and the energy relative to noise at which evidence counts by half.
-const TELLING: (usize, usize) = (1, 1);
-const HALF_BELIEVED: f32 = 3.0;
+/// Logarithm of the odds that each point of the grid moves as `candidate`, or minus infinity where it cannot.
+pub(super) fn log_odds(
+    image: ArrayView2<'_, f32>,
+    texture: &Texture,
+    grid: Grid,
+    candidate: &Candidate,
+) -> Array2<f32> {
+    let terms = terms(image, texture, grid, candidate);
+    terms.mapv(|terms| match terms {
+        Some(terms) => INTERCEPT + terms.iter().zip(WEIGHTS).map(|(term, weight)| weight * term).sum::<f32>(),
+        None => f32::NEG_INFINITY,
+    })
+}
 
-/// Logarithm of the odds that each point of the grid moves as `candidate`, within plus and minus 8, or minus infinity where
-/// it cannot.
-pub(super) fn log_odds(texture: &Texture, candidate: &Candidate) -> Array2<f32> {
+/// What the odds that a point moves by `length_px` along `angle` are a sum of, without their weights: row and column of the
+/// points of the grid for tiles of `tile_px`, each with its terms. For learning the weights.
+///
+/// # Errors
+/// Those of [`image::check`](crate::image::check).
+pub fn likeness_terms(
+    image: ArrayView2<'_, f32>,
+    (length_px, angle): (f64, AxialAngle),
+    tile_px: usize,
+) -> Result<Vec<((usize, usize), [f32; LIKENESS_TERMS])>> {
+    image::check(image)?;
+    let texture = Texture::new(image);
+    let grid = Grid::new(&texture, tile_px);
+    let everywhere = Candidate { length_px, angle, seeds: vec![(0.0, 0.0)], reach_px: f64::INFINITY };
+    let terms = terms(image, &texture, grid, &everywhere);
+    Ok(terms.indexed_iter().filter_map(|(point, terms)| Some((grid.pixel(point), (*terms)?))).collect())
+}
+
+/// Intercept and weights of the terms in use.
+pub fn likeness_weights() -> (f32, [f32; LIKENESS_TERMS]) {
+    (INTERCEPT, WEIGHTS)
+}
+
+/// The terms of each point of the grid that `candidate` reaches.
+fn terms(image: ArrayView2<'_, f32>, texture: &Texture, grid: Grid, candidate: &Candidate) -> Array2<Option<Terms>> {
     let (sin, cos) = candidate.angle.rad().sin_cos();
     // Rows count downwards.
     let direction = (cos as f32, -sin as f32);
     let correlations: Vec<Vec<Array2<f32>>> =
         (0..CORRELATED.len()).map(|index| texture.end_correlations(index, candidate.length_px, direction)).collect();
-    Array2::from_shape_fn(texture.dim(), |at| {
-        if !candidate.reaches((at.1 * STEP_PX) as f64, (at.0 * STEP_PX) as f64) {
-            return f32::NEG_INFINITY;
-        }
-        let mut sum = INTERCEPT;
-        for (number, weights) in WEIGHTS.iter().enumerate() {
-            let (scale, window) = (number / WINDOWS, number % WINDOWS);
-            for (weight, energy) in weights.iter().zip(texture.log_energies((scale, window), at, direction)) {
-                sum += weight * energy;
+    let spectra = SPECTRA.map(|(side, tempering)| Cells::new(side, tempering, candidate.length_px, candidate.angle));
+    let (rows, columns) = grid.dim();
+    let of_row = |&row: &usize| {
+        let mut workspaces = spectra.each_ref().map(Cells::workspace);
+        let mut of_point = |column: usize| {
+            let (pixel, at) = (grid.pixel((row, column)), grid.of_texture((row, column)));
+            if !candidate.reaches(pixel.1 as f64, pixel.0 as f64) {
+                return None;
             }
-            let index = CORRELATED.iter().position(|&correlated| correlated == scale);
-            if let (Some(index), Some(weight)) = (index, weights.get(2)) {
-                sum += weight * correlations[index][window][at];
+            let mut terms = [0.0; LIKENESS_TERMS];
+            let mut next = terms.iter_mut();
+            let mut put = |value: f32| next.next().into_iter().for_each(|term| *term = value);
+            for scale in 0..SCALES {
+                let index = CORRELATED.iter().position(|&correlated| correlated == scale);
+                for window in 0..WINDOWS {
+                    texture.log_energies((scale, window), at, direction).into_iter().for_each(&mut put);
+                    index.into_iter().for_each(|index| put(correlations[index][window][at]));
+                }
             }
-        }
-        // Noise tells nothing, whatever the logarithms say of it.
-        let texture = texture.energy_to_noise(TELLING, at);
-        sum.clamp(-LIMIT, LIMIT) * texture / (texture + HALF_BELIEVED)
-    })
+            for (cells, workspace) in spectra.iter().zip(&mut workspaces) {
+                let evidence = cells.evidence(workspace, image, texture.noise_variance(), pixel);
+                LIMITS.into_iter().for_each(|limit| put((evidence / limit).tanh()));
+            }
+            Some(terms)
+        };
+        (0..columns).map(&mut of_point).collect::<Vec<_>>()
+    };
+    let of_rows: Vec<Vec<Option<Terms>>> = each(&(0..rows).collect::<Vec<_>>(), of_row);
+    Array2::from_shape_fn((rows, columns), |(row, column)| of_rows[row][column])
 }

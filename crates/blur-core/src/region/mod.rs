@@ -7,12 +7,15 @@
 //! Programs with several threads hand out the tiles of a [`TilePlan`] and then call [`segment`] once, which uses all threads of
 //! rayon's pool when the crate has the feature `rayon`.
 
+mod borders;
 mod candidates;
 mod components;
 mod cut;
 mod each;
+mod evidence;
 mod expansion;
 mod gaussian;
+mod grid;
 mod likeness;
 mod mask;
 mod segmentation;
@@ -20,6 +23,7 @@ mod texture;
 mod tiles;
 mod weights;
 
+pub use likeness::{LIKENESS_TERMS, likeness_terms, likeness_weights};
 pub use mask::Mask;
 pub use segmentation::{MovingRegion, STILL, Segmentation, UNKNOWN, segment};
 pub use tiles::{LEAST_TILE_PX, TileBlur, TileEstimator, TilePlan, measure_tiles};

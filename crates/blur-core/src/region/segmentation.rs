@@ -2,12 +2,14 @@
 
 use ndarray::{Array2, ArrayView2};
 
+use super::borders::Borders;
 use super::candidates::{Candidate, candidates};
-use super::components::{fill_holes, flood, spread};
+use super::components::{fill_holes, flood};
 use super::each::each;
 use super::expansion;
+use super::grid::Grid;
 use super::likeness::log_odds;
-use super::texture::{STEP_PX, Texture};
+use super::texture::Texture;
 use super::tiles::TileBlur;
 use super::weights::inside;
 use crate::estimate::joint::Whittle;
@@ -21,14 +23,21 @@ pub const UNKNOWN: u8 = 255;
 
 /// Least area of a moving region, in squares of the least side that can be measured.
 const LEAST_SQUARES: usize = 4;
-/// Share of the blur by which the border of a region, as its texture shows it, is moved outwards along the motion. Over the
-/// length of the blur the background shows through by and by; half of it is seen at the border proper, and no more than about
-/// a quarter where the texture already looks still.
-const SHOWN_THROUGH: f64 = 0.25;
-/// Pixels by which a border is moved outwards in any case: a window that reaches over it sees the sharp texture outside
-/// rather than the blurred one inside. On streets of odd kodak pictures and of dead leaves regions then miss about as much as
-/// they add.
-const OVERLOOKED_PX: f64 = 4.0;
+/// By how much the blur of a region may differ from that of its candidate, as a share of the length.
+#[derive(Debug, Clone, Copy)]
+struct Tolerance {
+    /// When it is certain.
+    certain: f64,
+    /// When it is in doubt.
+    doubtful: f64,
+}
+
+/// Tiles reach over borders, so that a whole region corrects them ...
+const OF_TILES: Tolerance = Tolerance { certain: f64::INFINITY, doubtful: 0.15 };
+/// ... but the region that is found with the correction must bear it out.
+const OF_REGIONS: Tolerance = Tolerance { certain: 0.15, doubtful: 0.1 };
+/// Closer than this, blurs are the same.
+const SAME: f64 = 0.04;
 
 /// A part of the picture that moves as one.
 #[derive(Debug, Clone, PartialEq)]
@@ -61,12 +70,14 @@ impl Segmentation {
 
 /// Divides `image` by the motions that its `tiles` show.
 ///
-/// Tiles whose blurs agree make a motion. Every point of a grid of 4 pixels is then judged by its surroundings of 5 and
-/// 12 pixels: a motion takes the fine scales along its direction away, leaves those across it and makes the two ends of
-/// the blur correlate negatively. Of all divisions one with short borders is taken that the points bear out; a region hangs
-/// together and contains the centre of a tile that moves as it does. Each is measured again as a whole, well inside its
-/// border. A region whose measurement is neither certain nor that of its tiles is given up: its pixels are unknown. Pixels
-/// without texture stand still only as far as one can tell, which is not at all: they are unknown too.
+/// Tiles whose blurs agree make a motion. Every point of a grid, sixteen to the side of a tile, is then judged by its surroundings:
+/// how much likelier the spectra of windows of 32 and 64 pixels are if the scene moves so, however its own spectrum falls and
+/// whatever its anisotropy; what derivatives of four scales have left along the motion and across it; and whether the two ends of
+/// the blur correlate negatively. Of all divisions one with short borders, best along edges, is taken that the points bear out; a
+/// region hangs together and contains the centre of a tile that moves as it does. Each is measured again as a whole, well inside
+/// its border: first for every motion by itself, which corrects the tiles; then for all that are left, which compete. A region
+/// whose measurement is not that of its motion is given up: its pixels are unknown. Pixels without texture stand still only as
+/// far as one can tell, which is not at all: they are unknown too.
 ///
 /// Of the `settings` only the range of lengths counts.
 ///
@@ -74,10 +85,10 @@ impl Segmentation {
 /// Those of [`image::check`]; [`Error::Parameter`] when the picture has less than 32 pixels a side.
 pub fn segment(image: ArrayView2<'_, f32>, tiles: &[TileBlur], settings: &Settings) -> Result<Segmentation> {
     image::check(image)?;
-    let texture = Texture::new(image);
     let settings = Settings { length_range: settings.length_range, ..Settings::default() };
-    let candidates = confirmed(image, &texture, candidates(tiles), &settings)?;
-    let mut labels = to_pixels(&moving_points(&texture, &candidates), &texture, &candidates, image.dim());
+    let points = Points::new(image, tiles);
+    let (candidates, odds) = points.borne_out(image, candidates(tiles), &settings)?;
+    let mut labels = points.divide(&odds, &candidates);
     let mut moving: Vec<MovingRegion> = Vec::new();
     for (number, region) in measure_all(image, &labels, &candidates, &settings)?.into_iter().enumerate() {
         let (found, label) = (number as u8 + 1, moving.len() as u8 + 1);
@@ -93,22 +104,6 @@ pub fn segment(image: ArrayView2<'_, f32>, tiles: &[TileBlur], settings: &Settin
     Ok(Segmentation { labels, moving })
 }
 
-/// The motions that a whole region bears out, as they were measured there: only these compete in the end.
-fn confirmed(
-    image: ArrayView2<'_, f32>,
-    texture: &Texture,
-    candidates: Vec<Candidate>,
-    settings: &Settings,
-) -> Result<Vec<Candidate>> {
-    let labels = to_pixels(&moving_points(texture, &candidates), texture, &candidates, image.dim());
-    let regions = measure_all(image, &labels, &candidates, settings)?;
-    let confirmed = candidates.into_iter().zip(regions).filter_map(|(candidate, region)| {
-        let MotionBlur { length_px, angle, .. } = region?.blur;
-        Some(Candidate { length_px, angle, ..candidate })
-    });
-    Ok(confirmed.collect())
-}
-
 /// The region of each candidate, which has its number from 1 as its label.
 fn measure_all(
     image: ArrayView2<'_, f32>,
@@ -117,61 +112,102 @@ fn measure_all(
     settings: &Settings,
 ) -> Result<Vec<Option<MovingRegion>>> {
     let numbered: Vec<(u8, &Candidate)> = (1..).zip(candidates).collect();
-    let measured =
-        each(&numbered, |&(label, candidate)| measure(image, labels, label, candidate, &mut Whittle::new(settings)));
+    let measured = each(&numbered, |&(label, candidate)| {
+        measure(image, labels, label, candidate, OF_REGIONS, &mut Whittle::new(settings))
+    });
     measured.into_iter().collect()
 }
 
-/// Labels of the points of the grid: 0, or the number of a candidate from 1.
-fn moving_points(texture: &Texture, candidates: &[Candidate]) -> Array2<u8> {
-    if candidates.is_empty() {
-        return Array2::zeros(texture.dim());
-    }
-    let mut odds = vec![Array2::zeros(texture.dim())];
-    odds.extend(each(candidates, |candidate| log_odds(texture, candidate)));
-    let mut labels = expansion::labels(&odds);
-    for (number, candidate) in candidates.iter().enumerate() {
-        keep_seeded(&mut labels, number as u8 + 1, candidate);
-    }
-    for number in 0..candidates.len() {
-        fill_holes(&mut labels, number as u8 + 1);
-    }
-    labels
+/// The points of a picture, and what is known of them whatever moves.
+struct Points {
+    dim: (usize, usize),
+    texture: Texture,
+    grid: Grid,
+    borders: Borders,
 }
 
-/// Of the parts that have `label`, those stay that contain the centre of one of the candidate's tiles.
-fn keep_seeded(labels: &mut Array2<u8>, label: u8, candidate: &Candidate) {
-    const KEPT: u8 = UNKNOWN;
-    for &(x, y) in &candidate.seeds {
-        flood(labels, (y as usize / STEP_PX, x as usize / STEP_PX), label, KEPT);
+impl Points {
+    fn new(image: ArrayView2<'_, f32>, tiles: &[TileBlur]) -> Self {
+        let texture = Texture::new(image);
+        let grid = Grid::new(&texture, tiles.iter().map(|tile| tile.tile.width).max().unwrap_or_default());
+        let borders = Borders::new(&texture, grid);
+        Self { dim: image.dim(), texture, grid, borders }
     }
-    labels.mapv_inplace(|other| match other {
-        KEPT => label,
-        other if other == label => 0,
-        other => other,
-    });
-}
 
-/// Labels of the pixels: each has that of the nearest point of the grid. Of what does not move, textured parts stand still.
-fn to_pixels(grid: &Array2<u8>, texture: &Texture, candidates: &[Candidate], dim: (usize, usize)) -> Array2<u8> {
-    let (rows, columns) = grid.dim();
-    let mut labels = Array2::from_shape_fn(dim, |(row, column)| {
-        let at = ((row / STEP_PX).min(rows - 1), (column / STEP_PX).min(columns - 1));
-        match grid[at] {
-            0 if texture.is_textured(at) => STILL,
+    /// The motions that a whole region bears out, as they were measured there, with the logarithms of their odds. Each has the
+    /// picture to itself: one that nothing follows must not take from others what they need.
+    fn borne_out(
+        &self,
+        image: ArrayView2<'_, f32>,
+        candidates: Vec<Candidate>,
+        settings: &Settings,
+    ) -> Result<(Vec<Candidate>, Vec<Array2<f32>>)> {
+        let odds_of = |candidate: &Candidate| log_odds(image, &self.texture, self.grid, candidate);
+        let regions = each(&candidates, |candidate| {
+            let odds = odds_of(candidate);
+            let labels = self.divide(std::slice::from_ref(&odds), std::slice::from_ref(candidate));
+            Ok((odds, measure(image, &labels, 1, candidate, OF_TILES, &mut Whittle::new(settings))?))
+        });
+        let regions: Vec<(Array2<f32>, Option<MovingRegion>)> = regions.into_iter().collect::<Result<_>>()?;
+        let mut borne_out: Vec<(Candidate, Option<Array2<f32>>)> = Vec::new();
+        for (candidate, (odds, region)) in candidates.into_iter().zip(regions) {
+            let Some(MovingRegion { blur, .. }) = region else { continue };
+            let same = candidate.is_near(&blur, SAME);
+            let corrected = Candidate { length_px: blur.length_px, angle: blur.angle, ..candidate.clone() };
+            match borne_out.iter_mut().find(|(other, _)| other.is_near(&blur, SAME)) {
+                // Tiles that disagreed about one motion: it reaches whatever any of them does.
+                Some((other, odds)) => {
+                    other.seeds.extend(candidate.seeds);
+                    *odds = None;
+                }
+                None if same => borne_out.push((candidate, Some(odds))),
+                None => borne_out.push((corrected, None)),
+            }
+        }
+        let odds = each(&borne_out, |(candidate, odds)| odds.clone().unwrap_or_else(|| odds_of(candidate)));
+        Ok((borne_out.into_iter().map(|(candidate, _)| candidate).collect(), odds))
+    }
+
+    /// Labels of the pixels, of which a candidate has its number from 1: those that are likely by the logarithms of the `odds` of
+    /// each candidate.
+    fn divide(&self, odds: &[Array2<f32>], candidates: &[Candidate]) -> Array2<u8> {
+        if candidates.is_empty() {
+            return self.to_pixels(&Array2::zeros(self.grid.dim()));
+        }
+        let still = Array2::zeros(self.grid.dim());
+        let odds: Vec<Array2<f32>> = std::iter::once(&still).chain(odds).cloned().collect();
+        let mut labels = expansion::labels(&odds, &self.borders);
+        for (number, candidate) in candidates.iter().enumerate() {
+            self.keep_seeded(&mut labels, number as u8 + 1, candidate);
+        }
+        for number in 0..candidates.len() {
+            fill_holes(&mut labels, number as u8 + 1);
+        }
+        self.to_pixels(&labels)
+    }
+
+    /// Of the parts that have `label`, those stay that contain the centre of one of the candidate's tiles.
+    fn keep_seeded(&self, labels: &mut Array2<u8>, label: u8, candidate: &Candidate) {
+        const KEPT: u8 = UNKNOWN;
+        for &seed in &candidate.seeds {
+            flood(labels, self.grid.nearest(seed), label, KEPT);
+        }
+        labels.mapv_inplace(|other| match other {
+            KEPT => label,
+            other if other == label => 0,
+            other => other,
+        });
+    }
+
+    /// Labels of the pixels: each has that which most of the four points around it have, the nearer the more. Of what does not
+    /// move, textured parts stand still.
+    fn to_pixels(&self, points: &Array2<u8>) -> Array2<u8> {
+        Array2::from_shape_fn(self.dim, |pixel| match self.grid.label(points, pixel) {
+            0 if self.texture.is_textured(pixel) => STILL,
             0 => UNKNOWN,
             moving => moving,
-        }
-    });
-    for (number, candidate) in candidates.iter().enumerate() {
-        let (sin, cos) = candidate.angle.rad().sin_cos();
-        let moves = |other| other != STILL && other != UNKNOWN;
-        let along = OVERLOOKED_PX + SHOWN_THROUGH * candidate.length_px;
-        for (half_px, direction) in [(along, (cos, -sin)), (OVERLOOKED_PX, (sin, cos))] {
-            spread(&mut labels, number as u8 + 1, half_px, direction, moves);
-        }
+        })
     }
-    labels
 }
 
 /// The region of the pixels that have `label`; `None` when it shows no motion.
@@ -180,6 +216,7 @@ fn measure(
     labels: &Array2<u8>,
     label: u8,
     candidate: &Candidate,
+    tolerance: Tolerance,
     whittle: &mut Whittle,
 ) -> Result<Option<MovingRegion>> {
     let (mut area_px, mut x, mut y) = (0, 0.0, 0.0);
@@ -196,8 +233,8 @@ fn measure(
         Err(error) => return Err(error),
     };
     let confirmed = match blur.status {
-        Status::Ok => true,
-        Status::LowConfidence(_) => candidate.is_near(&blur),
+        Status::Ok => candidate.is_near(&blur, tolerance.certain),
+        Status::LowConfidence(_) => candidate.is_near(&blur, tolerance.doubtful),
         Status::NoMotionBlur(_) => false,
     };
     if !confirmed {

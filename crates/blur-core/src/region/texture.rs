@@ -39,6 +39,7 @@ pub(super) struct Texture {
     gradients: Vec<(Array2<f32>, Array2<f32>)>,
     /// Mean square of a derivative of the noise, scale by scale.
     noise: [f32; SCALES],
+    noise_variance: f64,
 }
 
 /// The texture at one scale.
@@ -84,7 +85,7 @@ impl Texture {
         let (_, &mut calm, _) = calm.select_nth_unstable_by(place, f32::total_cmp);
         let variance = (f64::from(calm) / of_white[0]).max(ROUNDING);
         let noise = std::array::from_fn(|scale| (of_white[scale] * variance) as f32);
-        Self { tensors, gradients, noise }
+        Self { tensors, gradients, noise, noise_variance: variance }
     }
 
     /// Rows and columns of the grid.
@@ -107,15 +108,26 @@ impl Texture {
         [along, xx + yy - along].map(|energy| ((energy - noise).max(0.0) + LEFT * noise).ln())
     }
 
-    /// Mean square of the gradient relative to that of noise, which is taken away.
-    pub(super) fn energy_to_noise(&self, (scale, window): (usize, usize), at: (usize, usize)) -> f32 {
-        let tensor = &self.tensors[scale][window];
-        ((tensor.xx[at] + tensor.yy[at]) / self.noise[scale] - 2.0).max(0.0)
+    /// Variance of the picture's noise.
+    pub(super) fn noise_variance(&self) -> f64 {
+        self.noise_variance
     }
 
-    /// Whether the picture has texture at a point of the grid that noise alone would hardly have.
-    pub(super) fn is_textured(&self, at: (usize, usize)) -> bool {
+    /// Derivatives of the picture along its rows and columns, smoothed by a Gaussian of 1.4 pixels.
+    pub(super) fn gradient(&self) -> &(Array2<f32>, Array2<f32>) {
+        &self.gradients[0]
+    }
+
+    /// Root mean square of that gradient where the picture shows nothing but noise.
+    pub(super) fn gradient_noise(&self) -> f32 {
+        (2.0 * self.noise[CORRELATED[0]]).sqrt()
+    }
+
+    /// Whether the picture has texture at a pixel, by row and column, that noise alone would hardly have.
+    pub(super) fn is_textured(&self, (row, column): (usize, usize)) -> bool {
         let tensor = &self.tensors[0][1];
+        let (rows, columns) = tensor.xx.dim();
+        let at = ((row / STEP_PX).min(rows - 1), (column / STEP_PX).min(columns - 1));
         0.5 * (tensor.xx[at] + tensor.yy[at]) > TEXTURED * self.noise[0]
     }
 

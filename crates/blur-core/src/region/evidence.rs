@@ -1,0 +1,349 @@
+//! How much better the spectrum around a point is explained by a moving scene than by one that stands still.
+
+use std::f64::consts::PI;
+
+use nalgebra::{SMatrix, SVector};
+use ndarray::{Array2, ArrayView2};
+
+use crate::estimate::AxialAngle;
+use crate::image::{Region, Window};
+use crate::spectrum::Dft2;
+
+/// Frequencies used: from this many bins to this many cycles per pixel.
+const LEAST_BINS: f64 = 1.6;
+const MOST_FREQUENCY: f64 = 0.48;
+/// Bins of the spectrum are averaged over cells: steps, in bins, of the frequency along the motion by the side of the window ...
+const WIDEST_STEP_BINS: f64 = 2.0;
+const SIDE_OF_WIDEST: f64 = 48.0;
+const STEP_BINS: f64 = 1.5;
+/// ... and borders, in bins, of the one across it.
+const ACROSS_BINS: [f64; 4] = [1.5, 4.0, 8.0, 14.0];
+
+/// Terms of the logarithm of a scene's power.
+const TERMS: usize = 13;
+/// Terms with room for whole registers.
+const LANES: usize = 16;
+/// Means and standard deviations of the terms before anything is seen; the level is free. With `l = ln 8 f` they are 1, `-l`,
+/// then cosine and sine of twice and of four times the direction, `l^2`, `l` times those of twice, of six times the direction,
+/// `l` times those of four times. A scene may be quite anisotropic before the evidence is that it moves.
+const MEAN: [f64; TERMS] = [0.0, 2.4, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0];
+const STD: [f64; TERMS] = [100.0, 0.6, 0.5, 0.5, 0.4, 0.4, 0.3, 0.3, 0.3, 0.3, 0.3, 0.2, 0.2];
+
+/// Steps of a fit at most, the longest step of a term, and the one at which it ends.
+const STEPS: usize = 8;
+const LONGEST_STEP: f64 = 1.5;
+const LEAST_STEP: f64 = 0.02;
+
+/// Cells of the spectrum of a small window for one motion.
+#[derive(Debug)]
+pub(super) struct Cells {
+    side: usize,
+    /// What the logarithm of the likelihood of a bin counts: neighbouring bins are not independent.
+    tempering: f64,
+    window: Vec<f32>,
+    /// Bins of the half spectrum that are used, each with its cell.
+    bins: Vec<(usize, usize)>,
+    cells: Vec<Cell>,
+}
+
+#[derive(Debug, Clone, Copy)]
+struct Cell {
+    terms: [f32; LANES],
+    /// Power transfer of the motion, seen through the window.
+    transfer: f32,
+    bins: f32,
+}
+
+/// What a thread needs to look at one point after the other.
+#[derive(Debug)]
+pub(super) struct Workspace {
+    dft: Dft2,
+    powers: Vec<f32>,
+}
+
+impl Cells {
+    /// For a Hann window of `side` pixels and a motion of `length_px` along `angle`.
+    pub(super) fn new(side: usize, tempering: f64, length_px: f64, angle: AxialAngle) -> Self {
+        let (sin, cos) = angle.rad().sin_cos();
+        let n = side as f64;
+        let along_step = if n > SIDE_OF_WIDEST { WIDEST_STEP_BINS } else { STEP_BINS };
+        let mut keys: Vec<(i64, i64)> = Vec::new();
+        let mut sums: Vec<([f64; TERMS], f64, f64, f64)> = Vec::new();
+        let mut bins = Vec::new();
+        for row in 0..side {
+            for column in 0..=side / 2 {
+                // Every frequency once: of those on the axis of the columns, half are conjugates of the others.
+                if column == 0 && row > side / 2 {
+                    continue;
+                }
+                let down = if row > side / 2 { row as f64 - n } else { row as f64 } / n;
+                let (fx, fy) = (column as f64 / n, -down);
+                let frequency = fx.hypot(fy);
+                if frequency * n < LEAST_BINS || frequency > MOST_FREQUENCY {
+                    continue;
+                }
+                let (along, across) = (fx * cos + fy * sin, fy * cos - fx * sin);
+                let across = if along < 0.0 { -across } else { across };
+                let border = ACROSS_BINS.iter().filter(|&&border| across.abs() * n >= border).count() as i64 + 1;
+                let key = ((along.abs() * n / along_step) as i64, if across < 0.0 { -border } else { border });
+                let cell = keys.iter().position(|&other| other == key).unwrap_or_else(|| {
+                    keys.push(key);
+                    sums.push(([0.0; TERMS], 0.0, 0.0, 0.0));
+                    keys.len() - 1
+                });
+                bins.push((row * (side / 2 + 1) + column, cell));
+                let terms = terms(frequency, fy.atan2(fx));
+                let sum = &mut sums[cell];
+                sum.0.iter_mut().zip(terms).for_each(|(sum, term)| *sum += term);
+                let power = frequency.powf(-MEAN[1]);
+                sum.1 += power * seen_through(along.abs(), length_px, (cos.abs() / n, sin.abs() / n));
+                sum.2 += power;
+                sum.3 += 1.0;
+            }
+        }
+        let cells = sums.into_iter().map(|(terms, transfer, power, bins)| Cell {
+            terms: std::array::from_fn(|i| terms.get(i).map_or(0.0, |term| (term / bins) as f32)),
+            transfer: (transfer / power).max(0.0) as f32,
+            bins: bins as f32,
+        });
+        Self { side, tempering, window: Window::Hann.weights(side), bins, cells: cells.collect() }
+    }
+
+    pub(super) fn workspace(&self) -> Workspace {
+        Workspace { dft: Dft2::new(self.side, self.side), powers: vec![0.0; self.cells.len()] }
+    }
+
+    /// Logarithm of the ratio of the likelihoods with the motion and without, around the pixel `(row, column)`, or as near to it
+    /// as the window fits into the picture; 0 for a picture that it does not fit into.
+    pub(super) fn evidence(
+        &self,
+        workspace: &mut Workspace,
+        image: ArrayView2<'_, f32>,
+        noise_variance: f64,
+        (row, column): (usize, usize),
+    ) -> f32 {
+        let near = |at: usize, pixels: usize| at.saturating_sub(self.side / 2).min(pixels.saturating_sub(self.side));
+        let (rows, columns) = image.dim();
+        let around = Region { x: near(column, columns), y: near(row, rows), width: self.side, height: self.side };
+        let Ok(view) = around.of(image) else {
+            return 0.0;
+        };
+        self.measure(workspace, view, noise_variance);
+        let still = self.fit(&workspace.powers, |_| 1.0);
+        let moving = self.fit(&workspace.powers, |cell| cell.transfer);
+        (moving - still) as f32
+    }
+
+    /// Mean power of each cell relative to that of the noise.
+    fn measure(&self, workspace: &mut Workspace, view: ArrayView2<'_, f32>, noise_variance: f64) {
+        let input: &mut Array2<f32> = workspace.dft.input();
+        let mut mean = 0.0;
+        for ((from, mut to), &down) in view.rows().into_iter().zip(input.rows_mut()).zip(&self.window) {
+            for ((to, &from), &across) in to.iter_mut().zip(from).zip(&self.window) {
+                *to = from;
+                mean += down * across * from;
+            }
+        }
+        let sum: f32 = self.window.iter().sum();
+        let squares: f32 = self.window.iter().map(|weight| weight * weight).sum();
+        mean /= sum * sum;
+        for (mut row, &down) in input.rows_mut().into_iter().zip(&self.window) {
+            row.iter_mut().zip(&self.window).for_each(|(value, &across)| *value = (*value - mean) * down * across);
+        }
+        let scale = 1.0 / (noise_variance as f32 * squares * squares);
+        workspace.powers.fill(0.0);
+        let spectrum = workspace.dft.transform();
+        if let Some(spectrum) = spectrum.as_slice() {
+            for &(bin, cell) in &self.bins {
+                workspace.powers[cell] += scale * spectrum[bin].norm_sqr();
+            }
+        }
+        workspace.powers.iter_mut().zip(&self.cells).for_each(|(power, cell)| *power /= cell.bins);
+    }
+
+    /// Logarithm of the largest posterior density of a scene whose power is `transfer` times a log-linear model, over noise of
+    /// power 1.
+    fn fit(&self, powers: &[f32], transfer: impl Fn(&Cell) -> f32) -> f64 {
+        let mut terms = MEAN;
+        terms[0] = self.level(powers, &transfer);
+        let mut best = f64::NEG_INFINITY;
+        for _ in 0..STEPS {
+            let (likelihood, mut slope, mut curvature) = self.expand(&terms, powers, &transfer);
+            let mut posterior = likelihood;
+            for (term, (mean, std)) in MEAN.into_iter().zip(STD).enumerate() {
+                let (off, weight) = (terms[term] - mean, 1.0 / (std * std));
+                posterior -= 0.5 * weight * off * off;
+                slope[term] -= weight * off;
+                curvature[(term, term)] += weight;
+            }
+            best = posterior.max(best);
+            let Some(root) = curvature.cholesky() else { break };
+            let step = root.solve(&slope);
+            let longest = step.amax();
+            if longest < LEAST_STEP {
+                break;
+            }
+            let share = (LONGEST_STEP / longest).min(1.0);
+            terms.iter_mut().zip(step.iter()).for_each(|(term, step)| *term += share * step);
+        }
+        best
+    }
+
+    /// The level at which a scene of the mean shape has the power that was measured.
+    fn level(&self, powers: &[f32], transfer: impl Fn(&Cell) -> f32) -> f64 {
+        let (mut measured, mut expected, mut bins) = (0.0, 0.0, 0.0);
+        for (cell, &power) in self.cells.iter().zip(powers) {
+            let shape: f32 = cell.terms.iter().zip(MEAN).map(|(term, mean)| term * mean as f32).sum();
+            measured += f64::from(cell.bins * (power - 1.0));
+            expected += f64::from(cell.bins * shape.exp() * transfer(cell));
+            bins += f64::from(cell.bins);
+        }
+        (measured.max(1e-3 * bins) / expected).ln()
+    }
+
+    /// Logarithm of the likelihood of exponentially distributed powers, its slope and its expected curvature.
+    fn expand(
+        &self,
+        terms: &[f64; TERMS],
+        powers: &[f32],
+        transfer: impl Fn(&Cell) -> f32,
+    ) -> (f64, SVector<f64, TERMS>, SMatrix<f64, TERMS, TERMS>) {
+        let amplitudes: [f32; LANES] = std::array::from_fn(|i| terms.get(i).map_or(0.0, |&term| term as f32));
+        let mut likelihood = 0.0;
+        let (mut slope, mut curvature) = ([0.0_f32; LANES], [[0.0_f32; LANES]; TERMS]);
+        for (cell, &power) in self.cells.iter().zip(powers) {
+            let mut products = [0.0; LANES];
+            for ((product, term), amplitude) in products.iter_mut().zip(cell.terms).zip(amplitudes) {
+                *product = term * amplitude;
+            }
+            let scene = products.iter().sum::<f32>().min(50.0).exp() * transfer(cell);
+            let expected = scene + 1.0;
+            likelihood -= f64::from(cell.bins * (expected.ln() + power / expected));
+            let share = scene / expected;
+            let (per_term, weight) = (cell.bins * share * (power / expected - 1.0), cell.bins * share * share);
+            for (slope, term) in slope.iter_mut().zip(cell.terms) {
+                *slope += per_term * term;
+            }
+            for (row, term) in curvature.iter_mut().zip(cell.terms) {
+                let weighted = weight * term;
+                for (sum, other) in row.iter_mut().zip(cell.terms) {
+                    *sum += weighted * other;
+                }
+            }
+        }
+        (
+            self.tempering * likelihood,
+            SVector::from_fn(|i, _| self.tempering * f64::from(slope[i])),
+            SMatrix::from_fn(|i, j| self.tempering * f64::from(curvature[i][j])),
+        )
+    }
+}
+
+/// The terms at a frequency in cycles per pixel and a direction in radians.
+fn terms(frequency: f64, direction: f64) -> [f64; TERMS] {
+    let l = (8.0 * frequency).ln();
+    let wave = |times: f64| (times * direction).sin_cos();
+    let ((s2, c2), (s4, c4), (s6, c6)) = (wave(2.0), wave(4.0), wave(6.0));
+    [1.0, -l, c2, s2, c4, s4, l * l, l * c2, l * s2, c6, s6, l * c4, l * s4]
+}
+
+/// Power transfer of a blur of `length_px` at the frequency `along` it, seen through a Hann window that is `(1/a, 1/b)` times
+/// as wide and high as a step of one pixel along the motion: the autocorrelation of the blur, a triangle along the motion,
+/// times that of the window, transformed.
+fn seen_through(along: f64, length_px: f64, (a, b): (f64, f64)) -> f64 {
+    const INTERVALS: usize = 64;
+    let at = |lag_px: f64| {
+        (1.0 - lag_px / length_px)
+            * hann_autocorrelation(lag_px * a)
+            * hann_autocorrelation(lag_px * b)
+            * (2.0 * PI * along * lag_px).cos()
+    };
+    // Simpson's rule; the autocorrelation is even.
+    let step = length_px / INTERVALS as f64;
+    let sum: f64 = (0..=INTERVALS)
+        .map(|i| {
+            let weight = if i == 0 || i == INTERVALS { 1.0 } else { 2.0 + 2.0 * (i % 2) as f64 };
+            weight * at(i as f64 * step)
+        })
+        .sum();
+    2.0 / length_px * sum * step / 3.0
+}
+
+/// Autocorrelation of a Hann window at a lag relative to its length, 1 at lag 0.
+fn hann_autocorrelation(lag: f64) -> f64 {
+    if lag >= 1.0 {
+        return 0.0;
+    }
+    let (sin, cos) = (2.0 * PI * lag).sin_cos();
+    (1.0 - lag) * (2.0 + cos) / 3.0 + sin / (2.0 * PI)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const SIDE: usize = 64;
+
+    /// Grey values drawn independently, each the mean of those `length` to its right.
+    fn picture(length: usize) -> Array2<f32> {
+        let mut state = 7_u64;
+        let scene = Array2::from_shape_simple_fn((SIDE, SIDE + length), || {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+            100.0 * (state >> 40) as f32 / (1_u64 << 24) as f32
+        });
+        Array2::from_shape_fn((SIDE, SIDE), |(row, column)| {
+            (0..length).map(|i| scene[(row, column + i)]).sum::<f32>() / length as f32
+        })
+    }
+
+    fn evidence(picture: &Array2<f32>, length_px: f64, deg: f64) -> f32 {
+        let cells = Cells::new(SIDE, 0.25, length_px, AxialAngle::from_deg(deg));
+        cells.evidence(&mut cells.workspace(), picture.view(), 1.0, (SIDE / 2, SIDE / 2))
+    }
+
+    #[test]
+    fn a_blurred_scene_is_told_from_a_sharp_one_and_its_motion_from_others() {
+        let (blurred, sharp) = (picture(12), picture(1));
+        let right = evidence(&blurred, 12.0, 0.0);
+        assert!(right > 20.0, "{right}");
+        for (length_px, deg) in [(12.0, 90.0), (12.0, 30.0), (12.0, 150.0), (6.0, 0.0), (24.0, 0.0)] {
+            let wrong = evidence(&blurred, length_px, deg);
+            assert!(right > wrong + 10.0, "{length_px} px, {deg} deg: {wrong}, {right}");
+        }
+        for deg in [0.0, 45.0, 90.0] {
+            let wrong = evidence(&sharp, 12.0, deg);
+            assert!(wrong < -20.0, "{deg} deg: {wrong}");
+        }
+    }
+
+    #[test]
+    fn noise_alone_tells_nothing() {
+        let calm = Array2::from_elem((SIDE, SIDE), 40.0);
+        assert!(evidence(&calm, 12.0, 20.0).abs() < 0.5);
+        // A window that does not fit into the picture sees nothing.
+        let cells = Cells::new(SIDE, 0.25, 12.0, AxialAngle::from_deg(0.0));
+        let small = Array2::from_elem((SIDE - 1, SIDE), 1.0);
+        assert_eq!(cells.evidence(&mut cells.workspace(), small.view(), 1.0, (10, 10)), 0.0);
+    }
+
+    #[test]
+    fn the_transfer_through_a_wide_window_is_that_of_the_blur() {
+        for along in [0.003, 0.02, 0.05, 0.11] {
+            let phase = PI * along * 20.0;
+            let expected = (phase.sin() / phase).powi(2);
+            let seen = seen_through(along, 20.0, (0.0, 0.0));
+            assert!((seen - expected).abs() < 1e-4, "{along}: {seen} {expected}");
+        }
+    }
+
+    #[test]
+    fn the_autocorrelation_of_the_window_is_the_sum_of_its_products() {
+        let n = 512;
+        let weights = Window::Hann.weights(n);
+        let sum = |lag: usize| weights.iter().zip(&weights[lag..]).map(|(a, b)| f64::from(a * b)).sum::<f64>();
+        for lag in [0, 40, 200, 400, 511] {
+            let expected = sum(lag) / sum(0);
+            assert!((hann_autocorrelation(lag as f64 / n as f64) - expected).abs() < 2e-3, "{lag}");
+        }
+    }
+}
