@@ -23,6 +23,15 @@ pub const UNKNOWN: u8 = 255;
 
 /// Least area of a moving region, in squares of the least side that can be measured.
 const LEAST_SQUARES: usize = 4;
+/// A motion that a region of its own bears out.
+struct BorneOut {
+    candidate: Candidate,
+    /// The blur of that region.
+    blur: MotionBlur,
+    /// Logarithms of its odds at the points.
+    odds: Array2<f32>,
+}
+
 /// By how much the blur of a region may differ from that of its candidate, as a share of the length.
 #[derive(Debug, Clone, Copy)]
 struct Tolerance {
@@ -30,6 +39,17 @@ struct Tolerance {
     certain: f64,
     /// When it is in doubt.
     doubtful: f64,
+}
+
+impl Tolerance {
+    /// Whether the blur of a region may be that of the candidate.
+    fn allows(self, candidate: &Candidate, blur: &MotionBlur) -> bool {
+        match blur.status {
+            Status::Ok => candidate.is_near(blur, self.certain),
+            Status::LowConfidence(_) => candidate.is_near(blur, self.doubtful),
+            Status::NoMotionBlur(_) => false,
+        }
+    }
 }
 
 /// Tiles reach over borders, so that a whole region corrects them ...
@@ -50,6 +70,22 @@ pub struct MovingRegion {
     pub centroid: (f64, f64),
     /// The blur of the whole region, measured well inside it.
     pub blur: MotionBlur,
+}
+
+impl MovingRegion {
+    /// The region when its blur is that of `motion`. When it is in doubt and another, the motion keeps what it was measured with
+    /// certainty by itself, in doubt now too.
+    fn bears_out(self, motion: &BorneOut) -> Option<Self> {
+        if OF_REGIONS.allows(&motion.candidate, &self.blur) {
+            return Some(self);
+        }
+        match (self.blur.status, motion.blur.status) {
+            (Status::LowConfidence(_), Status::Ok) => {
+                Some(Self { blur: MotionBlur { status: self.blur.status, ..motion.blur }, ..self })
+            }
+            _ => None,
+        }
+    }
 }
 
 /// A picture in parts.
@@ -87,10 +123,17 @@ pub fn segment(image: ArrayView2<'_, f32>, tiles: &[TileBlur], settings: &Settin
     image::check(image)?;
     let settings = Settings { length_range: settings.length_range, ..Settings::default() };
     let points = Points::new(image, tiles);
-    let (candidates, odds) = points.borne_out(image, candidates(tiles), &settings)?;
-    let mut labels = points.divide(&odds, &candidates);
+    let motions = points.borne_out(image, candidates(tiles), &settings)?;
+    let competing: Vec<(&Candidate, &Array2<f32>)> =
+        motions.iter().map(|motion| (&motion.candidate, &motion.odds)).collect();
+    let mut labels = points.divide(&competing);
+    let numbered: Vec<(u8, &BorneOut)> = (1..).zip(&motions).collect();
+    let regions = each(&numbered, |&(label, motion)| {
+        let region = measure(image, &labels, label, &motion.candidate, &mut Whittle::new(&settings))?;
+        Ok(region.and_then(|region| region.bears_out(motion)))
+    });
     let mut moving: Vec<MovingRegion> = Vec::new();
-    for (number, region) in measure_all(image, &labels, &candidates, &settings)?.into_iter().enumerate() {
+    for (number, region) in regions.into_iter().collect::<Result<Vec<_>>>()?.into_iter().enumerate() {
         let (found, label) = (number as u8 + 1, moving.len() as u8 + 1);
         let region = match region {
             Some(region) => {
@@ -102,20 +145,6 @@ pub fn segment(image: ArrayView2<'_, f32>, tiles: &[TileBlur], settings: &Settin
         labels.mapv_inplace(|other| if other == found { region } else { other });
     }
     Ok(Segmentation { labels, moving })
-}
-
-/// The region of each candidate, which has its number from 1 as its label.
-fn measure_all(
-    image: ArrayView2<'_, f32>,
-    labels: &Array2<u8>,
-    candidates: &[Candidate],
-    settings: &Settings,
-) -> Result<Vec<Option<MovingRegion>>> {
-    let numbered: Vec<(u8, &Candidate)> = (1..).zip(candidates).collect();
-    let measured = each(&numbered, |&(label, candidate)| {
-        measure(image, labels, label, candidate, OF_REGIONS, &mut Whittle::new(settings))
-    });
-    measured.into_iter().collect()
 }
 
 /// The points of a picture, and what is known of them whatever moves.
@@ -134,53 +163,59 @@ impl Points {
         Self { dim: image.dim(), texture, grid, borders }
     }
 
-    /// The motions that a whole region bears out, as they were measured there, with the logarithms of their odds. Each has the
-    /// picture to itself: one that nothing follows must not take from others what they need.
+    /// The motions that a whole region bears out, as they were measured there. Each has the picture to itself: one that nothing
+    /// follows must not take from others what they need.
     fn borne_out(
         &self,
         image: ArrayView2<'_, f32>,
         candidates: Vec<Candidate>,
         settings: &Settings,
-    ) -> Result<(Vec<Candidate>, Vec<Array2<f32>>)> {
+    ) -> Result<Vec<BorneOut>> {
         let odds_of = |candidate: &Candidate| log_odds(image, &self.texture, self.grid, candidate);
         let regions = each(&candidates, |candidate| {
             let odds = odds_of(candidate);
-            let labels = self.divide(std::slice::from_ref(&odds), std::slice::from_ref(candidate));
-            Ok((odds, measure(image, &labels, 1, candidate, OF_TILES, &mut Whittle::new(settings))?))
+            let labels = self.divide(&[(candidate, &odds)]);
+            Ok((odds, measure(image, &labels, 1, candidate, &mut Whittle::new(settings))?))
         });
         let regions: Vec<(Array2<f32>, Option<MovingRegion>)> = regions.into_iter().collect::<Result<_>>()?;
-        let mut borne_out: Vec<(Candidate, Option<Array2<f32>>)> = Vec::new();
+        let mut found: Vec<(Candidate, MotionBlur, Option<Array2<f32>>)> = Vec::new();
         for (candidate, (odds, region)) in candidates.into_iter().zip(regions) {
-            let Some(MovingRegion { blur, .. }) = region else { continue };
-            let same = candidate.is_near(&blur, SAME);
-            let corrected = Candidate { length_px: blur.length_px, angle: blur.angle, ..candidate.clone() };
-            match borne_out.iter_mut().find(|(other, _)| other.is_near(&blur, SAME)) {
+            let Some(MovingRegion { blur, .. }) = region.filter(|region| OF_TILES.allows(&candidate, &region.blur))
+            else {
+                continue;
+            };
+            match found.iter_mut().find(|(other, ..)| other.is_near(&blur, SAME)) {
                 // Tiles that disagreed about one motion: it reaches whatever any of them does.
-                Some((other, odds)) => {
+                Some((other, _, odds)) => {
                     other.seeds.extend(candidate.seeds);
                     *odds = None;
                 }
-                None if same => borne_out.push((candidate, Some(odds))),
-                None => borne_out.push((corrected, None)),
+                None if candidate.is_near(&blur, SAME) => found.push((candidate, blur, Some(odds))),
+                None => {
+                    found.push((Candidate { length_px: blur.length_px, angle: blur.angle, ..candidate }, blur, None));
+                }
             }
         }
-        let odds = each(&borne_out, |(candidate, odds)| odds.clone().unwrap_or_else(|| odds_of(candidate)));
-        Ok((borne_out.into_iter().map(|(candidate, _)| candidate).collect(), odds))
+        Ok(each(&found, |(candidate, blur, odds)| BorneOut {
+            candidate: candidate.clone(),
+            blur: *blur,
+            odds: odds.clone().unwrap_or_else(|| odds_of(candidate)),
+        }))
     }
 
-    /// Labels of the pixels, of which a candidate has its number from 1: those that are likely by the logarithms of the `odds` of
-    /// each candidate.
-    fn divide(&self, odds: &[Array2<f32>], candidates: &[Candidate]) -> Array2<u8> {
-        if candidates.is_empty() {
+    /// Labels of the pixels, of which a candidate has its number from 1: those that are likely by the logarithms of its odds.
+    fn divide(&self, motions: &[(&Candidate, &Array2<f32>)]) -> Array2<u8> {
+        if motions.is_empty() {
             return self.to_pixels(&Array2::zeros(self.grid.dim()));
         }
         let still = Array2::zeros(self.grid.dim());
-        let odds: Vec<Array2<f32>> = std::iter::once(&still).chain(odds).cloned().collect();
+        let odds: Vec<Array2<f32>> =
+            std::iter::once(&still).chain(motions.iter().map(|motion| motion.1)).cloned().collect();
         let mut labels = expansion::labels(&odds, &self.borders);
-        for (number, candidate) in candidates.iter().enumerate() {
+        for (number, (candidate, _)) in motions.iter().enumerate() {
             self.keep_seeded(&mut labels, number as u8 + 1, candidate);
         }
-        for number in 0..candidates.len() {
+        for number in 0..motions.len() {
             fill_holes(&mut labels, number as u8 + 1);
         }
         self.to_pixels(&labels)
@@ -210,13 +245,12 @@ impl Points {
     }
 }
 
-/// The region of the pixels that have `label`; `None` when it shows no motion.
+/// The region of the pixels that have `label`; `None` when it is too small or too narrow to be measured.
 fn measure(
     image: ArrayView2<'_, f32>,
     labels: &Array2<u8>,
     label: u8,
     candidate: &Candidate,
-    tolerance: Tolerance,
     whittle: &mut Whittle,
 ) -> Result<Option<MovingRegion>> {
     let (mut area_px, mut x, mut y) = (0, 0.0, 0.0);
@@ -232,14 +266,6 @@ fn measure(
         Err(Error::RegionTooNarrow { .. } | Error::Constant { .. } | Error::NoWeight { .. }) => return Ok(None),
         Err(error) => return Err(error),
     };
-    let confirmed = match blur.status {
-        Status::Ok => candidate.is_near(&blur, tolerance.certain),
-        Status::LowConfidence(_) => candidate.is_near(&blur, tolerance.doubtful),
-        Status::NoMotionBlur(_) => false,
-    };
-    if !confirmed {
-        return Ok(None);
-    }
     let centroid = (x / area_px as f64, y / area_px as f64);
     Ok(Some(MovingRegion { label, area_px, centroid, blur }))
 }
