@@ -11,6 +11,8 @@ use blur_sim::scene::{DeadLeaves, dead_leaves};
 use blur_sim::sensor::{Sensor, f32_from_u8};
 use blur_sim::street::{expose_street, two_movers};
 use e2e_tests::data;
+use image::ExtendedColorType;
+use image::codecs::jpeg::JpegEncoder;
 use nalgebra::{DMatrix, DVector};
 use ndarray::Array2;
 
@@ -21,6 +23,8 @@ const STREETS: u64 = 60;
 const LEAVES: u64 = 6;
 /// Noise of the streets, in turn.
 const PSNR_DB: [f64; 3] = [34.0, 40.0, 46.0];
+/// Every second street is compressed to JPEG of this quality, as most photographs are.
+const JPEG_QUALITY: u8 = 90;
 /// Rows and columns of a street, and the side of the tiles, which makes the grid.
 const DIM: (usize, usize) = (512, 768);
 const TILE_PX: usize = 128;
@@ -119,7 +123,9 @@ fn points(textures: &[Array2<f64>], first: u64) -> Result<Vec<Point>, Box<dyn st
         let movers = two_movers(seed, DIM.0, DIM.1)?;
         let street = expose_street(layers[0].view(), &[(movers[0], layers[1].view()), (movers[1], layers[2].view())])?;
         let sensor = Sensor::ideal().with_psnr_db(PSNR_DB[(seed % 3) as usize])?;
-        let picture = f32_from_u8(sensor.record(street.light.view(), seed)?.view());
+        let recorded = sensor.record(street.light.view(), seed)?;
+        let stored = if seed % 2 == 0 { recorded } else { compressed(&recorded)? };
+        let picture = f32_from_u8(stored.view());
         for (mover, label) in movers.iter().zip(1..) {
             let blur = (mover.motion.length_px(), mover.motion.angle());
             let seen = likeness_terms(picture.view(), blur, TILE_PX)?;
@@ -136,6 +142,21 @@ fn points(textures: &[Array2<f64>], first: u64) -> Result<Vec<Point>, Box<dyn st
         }
     }
     Ok(points)
+}
+
+/// What is left of a picture after compression.
+fn compressed(picture: &Array2<u8>) -> Result<Array2<u8>, Box<dyn std::error::Error>> {
+    let mut bytes = Vec::new();
+    let pixels: Vec<u8> = picture.iter().copied().collect();
+    let (rows, columns) = picture.dim();
+    JpegEncoder::new_with_quality(&mut bytes, JPEG_QUALITY).encode(
+        &pixels,
+        u32::try_from(columns)?,
+        u32::try_from(rows)?,
+        ExtendedColorType::L8,
+    )?;
+    let decoded = image::load_from_memory(&bytes)?.into_luma8().into_raw();
+    Ok(Array2::from_shape_vec((rows, columns), decoded)?)
 }
 
 /// Intercept and weights of the logistic regression, by Newton's method on standardised terms.

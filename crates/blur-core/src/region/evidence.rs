@@ -19,6 +19,12 @@ const STEP_BINS: f64 = 1.5;
 /// ... and borders, in bins, of the one across it.
 const ACROSS_BINS: [f64; 4] = [1.5, 4.0, 8.0, 14.0];
 
+/// Power that no blur takes away, relative to the scene's: what compression and a motion that is not quite uniform leave.
+const INCOHERENT: f64 = 0.01;
+/// Least variance of the noise, in squared grey levels of eight bits: that of the rounding is less than what demosaicing and
+/// compression leave in textured parts, where a calm corner of the picture does not show it.
+const LEAST_NOISE: f64 = 1.0;
+
 /// Terms of the logarithm of a scene's power.
 const TERMS: usize = 13;
 /// Terms with room for whole registers.
@@ -103,7 +109,7 @@ impl Cells {
         }
         let cells = sums.into_iter().map(|(terms, transfer, power, bins)| Cell {
             terms: std::array::from_fn(|i| terms.get(i).map_or(0.0, |term| (term / bins) as f32)),
-            transfer: (transfer / power).max(0.0) as f32,
+            transfer: (((transfer / power).max(0.0) + INCOHERENT) / (1.0 + INCOHERENT)) as f32,
             bins: bins as f32,
         });
         Self { side, tempering, window: Window::Hann.weights(side), bins, cells: cells.collect() }
@@ -128,7 +134,7 @@ impl Cells {
         let Ok(view) = around.of(image) else {
             return 0.0;
         };
-        self.measure(workspace, view, noise_variance);
+        self.measure(workspace, view, noise_variance.max(LEAST_NOISE));
         let still = self.fit(&workspace.powers, |_| 1.0);
         let moving = self.fit(&workspace.powers, |cell| cell.transfer);
         (moving - still) as f32

@@ -23,10 +23,10 @@ type Terms = [f32; LIKENESS_TERMS];
 /// Logistic regression of "this point moves so", learnt by `cargo run --release -p e2e-tests --bin learn-likeness` from streets
 /// (`blur_sim::street`) of design pictures, their objects and their backgrounds weighted alike.
 const WEIGHTS: Terms = [
-    -0.139, 0.008, 0.435, 0.334, -0.130, -0.226, 0.005, -0.504, 0.374, -2.848, 0.307, 0.079, 0.281, -1.627, -0.229,
-    -0.859, 0.189, -0.202, 1.480, 0.065, -0.034, 1.327, 1.966, 0.771, 1.703, -2.553,
+    -0.124, 0.054, 0.318, 0.372, -0.084, -0.305, 0.041, -0.508, 0.467, -3.006, 0.303, 0.074, 0.262, -1.458, -0.333,
+    -0.758, 0.155, -0.188, 1.410, 0.048, 0.018, 2.263, -0.192, 0.890, 1.711, -2.740,
 ];
-const INTERCEPT: f32 = 0.075;
+const INTERCEPT: f32 = -0.099;
 
 /// Logarithm of the odds that each point of the grid moves as `candidate`, or minus infinity where it cannot.
 pub(super) fn log_odds(
