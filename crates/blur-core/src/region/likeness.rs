@@ -10,9 +10,9 @@ use super::texture::{CORRELATED, SCALES, Texture, WINDOWS};
 use crate::estimate::AxialAngle;
 use crate::{Result, image};
 
-/// Windows in which the spectrum around a point is looked at: side in pixels, and what the logarithm of the likelihood of a bin
-/// counts there.
-const SPECTRA: [(usize, f64); 2] = [(32, 1.0), (64, 0.25)];
+/// Windows in which the spectrum around a point is looked at: side in pixels, what the logarithm of the likelihood of a bin counts
+/// there, and steps of the grid from one window to the next.
+const SPECTRA: [(usize, f64, usize); 2] = [(32, 1.0, 1), (64, 0.25, 2)];
 /// The evidence of a spectrum counts once for each of these, up to about which it counts in proportion.
 const LIMITS: [f32; 3] = [5.0, 20.0, 80.0];
 /// Terms that the logarithm of the odds is a sum of: along and across the motion the logarithms of the energy, by scale, then
@@ -72,13 +72,15 @@ fn terms(image: ArrayView2<'_, f32>, texture: &Texture, grid: Grid, candidate: &
     let direction = (cos as f32, -sin as f32);
     let correlations: Vec<Vec<Array2<f32>>> =
         (0..CORRELATED.len()).map(|index| texture.end_correlations(index, candidate.length_px, direction)).collect();
-    let spectra = SPECTRA.map(|(side, tempering)| Cells::new(side, tempering, candidate.length_px, candidate.angle));
+    let spectra = SPECTRA.map(|(side, tempering, every)| {
+        let cells = Cells::new(side, tempering, candidate.length_px, candidate.angle);
+        evidence(image, texture.noise_variance(), grid, candidate, (&cells, every))
+    });
     let (rows, columns) = grid.dim();
     let of_row = |&row: &usize| {
-        let mut workspaces = spectra.each_ref().map(Cells::workspace);
-        let mut of_point = |column: usize| {
-            let (pixel, at) = (grid.pixel((row, column)), grid.of_texture((row, column)));
-            if !candidate.reaches(pixel.1 as f64, pixel.0 as f64) {
+        let of_point = |column: usize| {
+            let (point, at) = ((row, column), grid.of_texture((row, column)));
+            if !reaches(candidate, grid, point) {
                 return None;
             }
             let mut terms = [0.0; LIKENESS_TERMS];
@@ -91,14 +93,52 @@ fn terms(image: ArrayView2<'_, f32>, texture: &Texture, grid: Grid, candidate: &
                     index.into_iter().for_each(|index| put(correlations[index][window][at]));
                 }
             }
-            for (cells, workspace) in spectra.iter().zip(&mut workspaces) {
-                let evidence = cells.evidence(workspace, image, texture.noise_variance(), pixel);
-                LIMITS.into_iter().for_each(|limit| put((evidence / limit).tanh()));
+            for evidence in &spectra {
+                LIMITS.into_iter().for_each(|limit| put((evidence[point] / limit).tanh()));
             }
             Some(terms)
         };
-        (0..columns).map(&mut of_point).collect::<Vec<_>>()
+        (0..columns).map(of_point).collect::<Vec<_>>()
     };
     let of_rows: Vec<Vec<Option<Terms>>> = each(&(0..rows).collect::<Vec<_>>(), of_row);
     Array2::from_shape_fn((rows, columns), |(row, column)| of_rows[row][column])
+}
+
+fn reaches(candidate: &Candidate, grid: Grid, point: (usize, usize)) -> bool {
+    let (row, column) = grid.pixel(point);
+    candidate.reaches(column as f64, row as f64)
+}
+
+/// The evidence around each point that `candidate` reaches, from windows around every so-many-th point each way: between them it
+/// changes linearly.
+fn evidence(
+    image: ArrayView2<'_, f32>,
+    noise_variance: f64,
+    grid: Grid,
+    candidate: &Candidate,
+    (cells, every): (&Cells, usize),
+) -> Array2<f32> {
+    let (rows, columns) = grid.dim();
+    let (coarse_rows, coarse_columns) = (rows.div_ceil(every), columns.div_ceil(every));
+    let near = Candidate { reach_px: candidate.reach_px + (every * grid.step_px()) as f64, ..candidate.clone() };
+    let of_row = |&row: &usize| {
+        let mut workspace = cells.workspace();
+        let mut of_point = |column: usize| {
+            let point = (row * every, column * every);
+            if !reaches(&near, grid, point) {
+                return 0.0;
+            }
+            cells.evidence(&mut workspace, image, noise_variance, grid.pixel(point))
+        };
+        (0..coarse_columns).map(&mut of_point).collect::<Vec<f32>>()
+    };
+    let coarse = each(&(0..coarse_rows).collect::<Vec<_>>(), of_row);
+    Array2::from_shape_fn((rows, columns), |(row, column)| {
+        let (top, left) = (row / every, column / every);
+        let (bottom, right) = ((top + 1).min(coarse_rows - 1), (left + 1).min(coarse_columns - 1));
+        let (down, across) = ((row % every) as f32 / every as f32, (column % every) as f32 / every as f32);
+        let above = coarse[top][left] + across * (coarse[top][right] - coarse[top][left]);
+        let below = coarse[bottom][left] + across * (coarse[bottom][right] - coarse[bottom][left]);
+        above + down * (below - above)
+    })
 }
