@@ -67,21 +67,21 @@ fn run() -> Result<(), Box<dyn std::error::Error>> {
     let (first, second) = textures.split_at(textures.len() / 2);
     let halves = [points(first, 0)?, points(second, STREETS)?];
     for (learnt, judged) in [(&halves[0], &halves[1]), (&halves[1], &halves[0])] {
-        let weights = regression(learnt.iter()).ok_or("the points of half the pictures do not tell the weights")?;
+        let weights = regression(&learnt.iter()).ok_or("the points of half the pictures do not tell the weights")?;
         println!("// right by the weights of the other half: {:.3}", share_right(&weights, judged));
     }
-    let weights = regression(halves.iter().flatten()).ok_or("the points do not tell the weights")?;
+    let weights = regression(&halves.iter().flatten()).ok_or("the points do not tell the weights")?;
     let current = likeness_weights();
-    println!("INTERCEPT {:.3}, currently {:.3}", weights.0, current.0);
+    println!("INTERCEPT {:.2}, currently {:.2}", weights.0, current.0);
     println!("WEIGHTS [{}]", row(&weights.1));
     println!("current [{}]", row(&current.1));
-    let all = |weights| (share_right(weights, &halves[0]) + share_right(weights, &halves[1])) / 2.0;
+    let all = |weights| f64::midpoint(share_right(weights, &halves[0]), share_right(weights, &halves[1]));
     println!("// right: {:.3}, currently {:.3}", all(&weights), all(&current));
     Ok(())
 }
 
 fn row(weights: &Terms) -> String {
-    weights.map(|weight| format!("{weight:.3}")).join(", ")
+    weights.map(|weight| format!("{weight:.2}")).join(", ")
 }
 
 fn is_design(name: &str) -> bool {
@@ -129,15 +129,15 @@ fn points(textures: &[Array2<f64>], first: u64) -> Result<Vec<Point>, Box<dyn st
         for (mover, label) in movers.iter().zip(1..) {
             let blur = (mover.motion.length_px(), mover.motion.angle());
             let seen = likeness_terms(picture.view(), blur, TILE_PX)?;
-            let moving = seen.iter().filter(|(place, _)| street.labels[*place] == label).count();
+            let moving = seen.iter().filter(|point| street.labels[point.pixel] == label).count();
             let still = seen.len() - moving;
             if moving == 0 {
                 continue;
             }
             let half = 0.5 * seen.len() as f64;
-            points.extend(seen.into_iter().map(|(place, terms)| {
-                let moves = street.labels[place] == label;
-                Point { terms, moves, weight: half / (if moves { moving } else { still }) as f64 }
+            points.extend(seen.into_iter().map(|point| {
+                let moves = street.labels[point.pixel] == label;
+                Point { terms: point.terms, moves, weight: half / (if moves { moving } else { still }) as f64 }
             }));
         }
     }
@@ -160,7 +160,7 @@ fn compressed(picture: &Array2<u8>) -> Result<Array2<u8>, Box<dyn std::error::Er
 }
 
 /// Intercept and weights of the logistic regression, by Newton's method on standardised terms.
-fn regression<'a>(points: impl Iterator<Item = &'a Point> + Clone) -> Option<(f32, Terms)> {
+fn regression<'a>(points: &(impl Iterator<Item = &'a Point> + Clone)) -> Option<(f32, Terms)> {
     const ALL: usize = LIKENESS_TERMS + 1;
     let (mut total, mut mean, mut square) = (0.0, [0.0; LIKENESS_TERMS], [0.0; LIKENESS_TERMS]);
     for point in points.clone() {

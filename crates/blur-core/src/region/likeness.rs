@@ -23,10 +23,10 @@ type Terms = [f32; LIKENESS_TERMS];
 /// Logistic regression of "this point moves so", learnt by `cargo run --release -p e2e-tests --bin learn-likeness` from streets
 /// (`blur_sim::street`) of design pictures, their objects and their backgrounds weighted alike.
 const WEIGHTS: Terms = [
-    -0.124, 0.054, 0.318, 0.372, -0.084, -0.305, 0.041, -0.508, 0.467, -3.006, 0.303, 0.074, 0.262, -1.458, -0.333,
-    -0.758, 0.155, -0.188, 1.410, 0.048, 0.018, 2.263, -0.192, 0.890, 1.711, -2.740,
+    -0.12, 0.05, 0.32, 0.37, -0.08, -0.30, 0.04, -0.51, 0.47, -3.01, 0.30, 0.07, 0.26, -1.46, -0.33, -0.76, 0.15,
+    -0.19, 1.41, 0.05, 0.02, 2.26, -0.19, 0.89, 1.71, -2.74,
 ];
-const INTERCEPT: f32 = -0.099;
+const INTERCEPT: f32 = -0.10;
 
 /// Logarithm of the odds that each point of the grid moves as `candidate`, or minus infinity where it cannot.
 pub(super) fn log_odds(
@@ -42,8 +42,17 @@ pub(super) fn log_odds(
     })
 }
 
-/// What the odds that a point moves by `length_px` along `angle` are a sum of, without their weights: row and column of the
-/// points of the grid for tiles of `tile_px`, each with its terms. For learning the weights.
+/// A point of a picture and what the odds that it moves are a sum of.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LikenessPoint {
+    /// Row and column of its pixel.
+    pub pixel: (usize, usize),
+    /// The terms, which are still to be weighted.
+    pub terms: [f32; LIKENESS_TERMS],
+}
+
+/// What the odds of a motion by `length_px` along `angle` are a sum of, at the points of the grid for tiles of `tile_px`. For
+/// learning the weights.
 ///
 /// # Errors
 /// Those of [`image::check`](crate::image::check).
@@ -51,13 +60,16 @@ pub fn likeness_terms(
     image: ArrayView2<'_, f32>,
     (length_px, angle): (f64, AxialAngle),
     tile_px: usize,
-) -> Result<Vec<((usize, usize), [f32; LIKENESS_TERMS])>> {
+) -> Result<Vec<LikenessPoint>> {
     image::check(image)?;
     let texture = Texture::new(image);
     let grid = Grid::new(&texture, tile_px);
     let everywhere = Candidate { length_px, angle, seeds: vec![(0.0, 0.0)], reach_px: f64::INFINITY };
     let terms = terms(image, &texture, grid, &everywhere);
-    Ok(terms.indexed_iter().filter_map(|(point, terms)| Some((grid.pixel(point), (*terms)?))).collect())
+    let points = terms
+        .indexed_iter()
+        .filter_map(|(point, terms)| terms.map(|terms| LikenessPoint { pixel: grid.pixel(point), terms }));
+    Ok(points.collect())
 }
 
 /// Intercept and weights of the terms in use.
@@ -83,18 +95,27 @@ fn terms(image: ArrayView2<'_, f32>, texture: &Texture, grid: Grid, candidate: &
             if !reaches(candidate, grid, point) {
                 return None;
             }
-            let mut terms = [0.0; LIKENESS_TERMS];
-            let mut next = terms.iter_mut();
-            let mut put = |value: f32| next.next().into_iter().for_each(|term| *term = value);
+            let (mut terms, mut filled) = ([0.0; LIKENESS_TERMS], 0);
+            let mut put = |term: f32| {
+                terms[filled] = term;
+                filled += 1;
+            };
             for scale in 0..SCALES {
-                let index = CORRELATED.iter().position(|&correlated| correlated == scale);
+                let correlations =
+                    CORRELATED.iter().position(|&correlated| correlated == scale).map(|i| &correlations[i]);
                 for window in 0..WINDOWS {
-                    texture.log_energies((scale, window), at, direction).into_iter().for_each(&mut put);
-                    index.into_iter().for_each(|index| put(correlations[index][window][at]));
+                    let [along, across] = texture.log_energies((scale, window), at, direction);
+                    put(along);
+                    put(across);
+                    if let Some(correlations) = correlations {
+                        put(correlations[window][at]);
+                    }
                 }
             }
             for evidence in &spectra {
-                LIMITS.into_iter().for_each(|limit| put((evidence[point] / limit).tanh()));
+                for limit in LIMITS {
+                    put((evidence[point] / limit).tanh());
+                }
             }
             Some(terms)
         };

@@ -23,7 +23,7 @@ mod texture;
 mod tiles;
 mod weights;
 
-pub use likeness::{LIKENESS_TERMS, likeness_terms, likeness_weights};
+pub use likeness::{LIKENESS_TERMS, LikenessPoint, likeness_terms, likeness_weights};
 pub use mask::Mask;
 pub use segmentation::{MovingRegion, STILL, Segmentation, UNKNOWN, segment};
 pub use tiles::{LEAST_TILE_PX, TileBlur, TileEstimator, TilePlan, measure_tiles};
