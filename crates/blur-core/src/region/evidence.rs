@@ -20,10 +20,10 @@ const STEP_BINS: f64 = 1.5;
 const ACROSS_BINS: [f64; 4] = [1.5, 4.0, 8.0, 14.0];
 
 /// Power that no blur takes away, relative to the scene's: what compression and a motion that is not quite uniform leave.
-const INCOHERENT: f64 = 0.01;
+const INCOHERENT: f64 = 0.03;
 /// Least variance of the noise, in squared grey levels of eight bits: that of the rounding is less than what demosaicing and
 /// compression leave in textured parts, where a calm corner of the picture does not show it.
-const LEAST_NOISE: f64 = 1.0;
+const LEAST_NOISE: f64 = 2.0;
 
 /// Terms of the logarithm of a scene's power.
 const TERMS: usize = 13;
