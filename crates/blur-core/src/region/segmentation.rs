@@ -74,8 +74,12 @@ pub struct MovingRegion {
 
 impl MovingRegion {
     /// The region when its blur is that of `motion`. When it is in doubt and another, the motion keeps what it was measured with
-    /// certainty by itself, in doubt now too.
+    /// certainty by itself, in doubt now too. One of the two measurements has to be certain: a still picture has parts that look
+    /// blurred enough to be doubted.
     fn bears_out(self, motion: &BorneOut) -> Option<Self> {
+        if self.blur.status != Status::Ok && motion.blur.status != Status::Ok {
+            return None;
+        }
         if OF_REGIONS.allows(&motion.candidate, &self.blur) {
             return Some(self);
         }
