@@ -71,6 +71,7 @@ pub mod estimate;
 pub mod image;
 pub mod meter;
 pub mod motion;
+mod products;
 pub mod projection;
 pub mod psf;
 pub mod record;

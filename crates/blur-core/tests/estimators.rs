@@ -379,7 +379,9 @@ fn scale_and_offset_of_the_grey_values_do_not_matter() {
                 assert!(distance < 0.02, "{} {scale} {offset}: {a:?} {b:?}", method.name);
             }
             for (a, b) in lengths.iter().zip(&affine_lengths) {
-                assert!((a.length_px - b.length_px).abs() < 0.01, "{scale} {offset}: {a:?} {b:?}");
+                // Where the picture does not tell the length, the same to a hundredth of how well it does.
+                let most = a.std_px.map_or(0.01, |std_px| (0.01 * std_px).max(0.01));
+                assert!((a.length_px - b.length_px).abs() < most, "{scale} {offset}: {a:?} {b:?}");
             }
             for ((method, a), b) in JOINT.iter().zip(&joint).zip(&affine_joint) {
                 let close = a.angle.distance_deg(b.angle) < 0.02 && (a.length_px - b.length_px).abs() < 0.01;

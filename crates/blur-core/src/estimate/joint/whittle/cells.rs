@@ -2,12 +2,8 @@
 
 use super::periodogram::{CellSum, CellSums, MOST_FREQUENCY};
 use super::scene::{self, TERMS};
+use crate::products::{GROUP, LANES};
 
-/// Cells that are worked on side by side.
-pub(super) const LANES: usize = 4;
-/// Blocks of lanes whose products are summed at once.
-pub(super) const GROUP: usize = 8;
-pub(super) const WIDTH: usize = GROUP * LANES;
 /// Patches of the plane of frequencies in which the scene's spectrum may differ from its mean form: this many a half
 /// turn, two an octave.
 const PATCHES_PER_RING: usize = 36;
@@ -29,8 +25,10 @@ pub(super) struct Cells {
     pub(super) terms: Vec<f32>,
     /// Patch of each block.
     pub(super) patch: Vec<u16>,
-    /// First cell of each patch, as long as they are sorted.
+    /// First cell of each patch, as long as they are sorted, ...
     first: Vec<u32>,
+    /// ... and place and patch of each, as they come.
+    places: Vec<(f64, f64, u16)>,
     peaks: f64,
 }
 
@@ -53,6 +51,7 @@ impl Cells {
             terms: Vec::with_capacity(padded * TERMS),
             patch: Vec::with_capacity(padded / LANES),
             first: vec![0; PATCHES + 1],
+            places: Vec::with_capacity(capacity),
             peaks: 1.0,
         }
     }
@@ -65,12 +64,14 @@ impl Cells {
         let (sin, cos) = sums.angle.sin_cos();
         let place = |cell: &CellSum| {
             let (s, t) = (f64::from(cell.s / cell.count), f64::from(cell.t / cell.count));
-            (s * cos + t * sin, t * cos - s * sin)
+            let (u, v) = (s * cos + t * sin, t * cos - s * sin);
+            (u, v, patch_of(u, v) as u16)
         };
+        self.places.clear();
+        self.places.extend(sums.filled().map(place));
         self.first.fill(0);
-        for cell in sums.filled() {
-            let (u, v) = place(cell);
-            self.first[patch_of(u, v)] += 1;
+        for &(_, _, patch) in &self.places {
+            self.first[usize::from(patch)] += 1;
         }
         self.patch.clear();
         let mut total = 0;
@@ -92,9 +93,8 @@ impl Cells {
         }
         self.terms.clear();
         self.terms.resize(total * TERMS, 0.0);
-        for cell in sums.filled() {
-            let (u, v) = place(cell);
-            let slot = &mut self.first[patch_of(u, v)];
+        for (cell, &(u, v, patch)) in sums.filled().zip(&self.places) {
+            let slot = &mut self.first[usize::from(patch)];
             let i = *slot as usize;
             *slot += 1;
             let one = 1.0 / cell.count;
@@ -130,7 +130,7 @@ fn peaks(sums: &CellSums, noise: f32) -> f64 {
 }
 
 pub(super) fn patch_of(u: f64, v: f64) -> usize {
-    let half_octave = (2.0 * (MOST_FREQUENCY / u.hypot(v)).log2()) as usize;
+    let half_octave = (MOST_FREQUENCY * MOST_FREQUENCY / (u * u + v * v)).log2() as usize;
     let turn = (v.atan2(u) / std::f64::consts::PI + 0.5).rem_euclid(1.0);
     let sector = ((turn * PATCHES_PER_RING as f64) as usize).min(PATCHES_PER_RING - 1);
     half_octave.min(2 * OCTAVES - 1) * PATCHES_PER_RING + sector

@@ -2,7 +2,7 @@
 
 use nalgebra::{Cholesky, Const};
 
-use super::cells::{Cells, LANES, OCTAVES, octave_of, patch_of};
+use super::cells::{Cells, OCTAVES, octave_of, patch_of};
 use super::likelihood::{LEAST_POWER, Matrix, Rotation, Score, Vector};
 use super::periodogram::{CellSums, FALL, Periodogram};
 use super::point::{
@@ -11,6 +11,7 @@ use super::point::{
 };
 use super::response::Response;
 use super::scene::{self, TERMS};
+use crate::products::LANES;
 use crate::spectrum::{exp, ln};
 
 /// A kernel, the cells it is held against and everything that the search for the maximum needs.
@@ -69,7 +70,7 @@ impl Fit {
             let (s, t) = rotation.turn(cells.s[i], cells.t[i]);
             let transfer = match kernel {
                 Kernel::None => 1.0,
-                Kernel::Disk => self.response.at(s.hypot(t), 0.0).power + share,
+                Kernel::Disk => self.response.at((s * s + t * t).sqrt(), 0.0).power + share,
                 Kernel::Line | Kernel::AcceleratedLine => self.response.at(s, 0.0).power + share,
             };
             let signal = cells.power[i] - noise * cells.weight[i];
@@ -208,7 +209,7 @@ impl Fit {
     }
 
     /// Covariance at the last maximum, everything else profiled out; `None` when the likelihood is flat.
-    pub(super) fn covariance(&self) -> Option<Covariance> {
+    pub(super) fn covariance(&mut self) -> Option<Covariance> {
         let factor: Cholesky<f64, Const<PARAMETERS>> = Cholesky::new(self.score.reduced_information())?;
         let mut covariance = [[0.0; 3]; 3];
         for (row, &i) in covariance.iter_mut().zip(&[LENGTH, ANGLE, RATIO2]) {
@@ -419,7 +420,7 @@ mod tests {
             let mut bench = Bench::new(96, 128);
             let point = truth(9.7, 112.0);
             bench.draw(kernel, &point, point.angle, &mut Random::new(seed as u64));
-            let score = bench.score(kernel, &point);
+            let mut score = bench.score(kernel, &point);
             let reduced: Option<Cholesky<f64, Const<PARAMETERS>>> = Cholesky::new(score.reduced_information());
             assert!(reduced.is_some(), "{kernel:?}");
             let mut whole = score.information;

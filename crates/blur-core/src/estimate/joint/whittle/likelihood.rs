@@ -2,10 +2,11 @@
 
 use nalgebra::{SMatrix, SVector};
 
-use super::cells::{Cells, GROUP, LANES, PATCHES, WIDTH, octave_of};
+use super::cells::{Cells, PATCHES, octave_of};
 use super::point::{ANGLE, Kernel, LENGTH, NOISE, PARAMETERS, Point, RATIO2, SCENE, SHARE, SHARE_MEAN, SHARE_STD};
 use super::response::Response;
 use super::scene::{self, TERMS};
+use crate::products::{Columns, GROUP, LANES, Products, TILE, WIDTH};
 use crate::spectrum::{exp, ln};
 
 pub(super) type Matrix = SMatrix<f64, PARAMETERS, PARAMETERS>;
@@ -37,6 +38,7 @@ pub(super) struct Score {
     pub(super) signal: f64,
     /// Sum of squared standardised residuals.
     pub(super) squares: f64,
+    products: Products<COLUMNS>,
 }
 
 impl Score {
@@ -51,6 +53,7 @@ impl Score {
             weight: 0.0,
             signal: 0.0,
             squares: 0.0,
+            products: Products::new(),
         }
     }
 
@@ -63,6 +66,7 @@ impl Score {
             self.information.fill(0.0);
             self.patch_cross.fill([0.0; PARAMETERS]);
             self.patch_information.fill(0.0);
+            self.products.clear();
         }
     }
 
@@ -70,12 +74,12 @@ impl Score {
     fn add_information(
         &mut self,
         patches: &[u16],
-        gradients: &[[f32; WIDTH]; PARAMETERS],
+        gradients: &Columns<COLUMNS>,
         pull: &[f32; WIDTH],
         info: &[f32; WIDTH],
         signal_share: &[f32; WIDTH],
     ) {
-        let mut weighted = [[0.0_f32; WIDTH]; PARAMETERS];
+        let mut weighted = [[0.0_f32; WIDTH]; COLUMNS];
         self.weight += f64::from(sum(info));
         self.squares += f64::from(dot(pull, pull));
         for (weighted, gradient) in weighted.iter_mut().zip(gradients) {
@@ -83,11 +87,7 @@ impl Score {
                 *out = value * info;
             }
         }
-        for (i, weighted) in weighted.iter().enumerate() {
-            for (j, other) in gradients[..=i].iter().enumerate() {
-                self.information[(j, i)] += f64::from(dot(weighted, other));
-            }
-        }
+        self.products.add(&weighted, gradients);
         for (block, &patch) in patches.iter().enumerate() {
             let lanes = block * LANES..(block + 1) * LANES;
             let share = &signal_share[lanes.clone()];
@@ -121,25 +121,35 @@ impl Score {
     }
 
     /// Information of the parameters with the patches profiled out.
-    pub(super) fn reduced_information(&self) -> Matrix {
+    pub(super) fn reduced_information(&mut self) -> Matrix {
         let mut information = self.information;
-        for (cross, &own) in self.patch_cross.iter().zip(&self.patch_information) {
-            if cross[NOISE] == 0.0 && cross[SCENE] == 0.0 {
-                continue;
-            }
-            let cross = cross.map(f64::from);
-            for (i, &a) in cross.iter().enumerate() {
-                let a = a / own;
-                // One column of the upper triangle: its rows lie side by side.
-                for (out, &b) in information.column_mut(i).iter_mut().zip(&cross[..=i]) {
-                    *out -= a * b;
+        self.products.clear();
+        let mut rows = [[0.0_f32; WIDTH]; COLUMNS];
+        for (crosses, owns) in self.patch_cross.chunks(WIDTH).zip(self.patch_information.chunks(WIDTH)) {
+            for (lane, (cross, &own)) in crosses.iter().zip(owns).enumerate() {
+                let root = (1.0 / own).sqrt() as f32;
+                for (row, &cross) in rows.iter_mut().zip(cross) {
+                    row[lane] = cross * root;
                 }
+            }
+            for row in &mut rows {
+                row[crosses.len()..].fill(0.0);
+            }
+            self.products.add(&rows, &rows);
+        }
+        let profiled = self.products.totals();
+        for i in 0..PARAMETERS {
+            for j in i..PARAMETERS {
+                information[(i, j)] -= profiled[i][j];
             }
         }
         information.fill_lower_triangle_with_upper_triangle();
         information
     }
 }
+
+/// Parameters, filled up to whole tiles of products.
+const COLUMNS: usize = PARAMETERS.next_multiple_of(TILE);
 
 /// From the frame of the cells to that of the motion.
 #[derive(Debug, Clone, Copy)]
@@ -181,10 +191,11 @@ impl Response {
         let share = if kernel == Kernel::None { 0.0 } else { exp(point.log_share as f32) };
         let amplitudes = point.scene.map(|c| c as f32);
         let falls = scene::falls(&point.scene).map(|c| c as f32);
-        let mut gradients = [[0.0_f32; WIDTH]; PARAMETERS];
+        let mut gradients = [[0.0_f32; WIDTH]; COLUMNS];
         let mut pull = [0.0_f32; WIDTH];
         let mut info = [0.0_f32; WIDTH];
         let mut signal_share = [0.0_f32; WIDTH];
+        let lattice = self.lattice();
         for (group, patches) in cells.patch.chunks_exact(GROUP).enumerate() {
             let range = group * WIDTH..(group + 1) * WIDTH;
             let terms = &cells.terms[range.start * TERMS..range.end * TERMS];
@@ -202,17 +213,25 @@ impl Response {
             let mut transfer = [1.0_f32; WIDTH];
             let (mut d_length, mut d_angle, mut d_ratio2) = ([0.0_f32; WIDTH], [0.0_f32; WIDTH], [0.0_f32; WIDTH]);
             if kernel != Kernel::None {
+                let (mut along, mut across) = ([0.0_f32; WIDTH], [0.0_f32; WIDTH]);
+                let (mut places, mut beta) = ([(0_u32, 0.0_f32); WIDTH], [0.0_f32; WIDTH]);
                 for (lane, (&s, &t)) in cells.s[range.clone()].iter().zip(&cells.t[range.clone()]).enumerate() {
                     let (s, t) = rotation.turn(s, t);
                     let square = s * s + t * t;
-                    let x = 0.5 * ln(100.0 * square);
+                    let x = terms[lane / LANES * LANES * TERMS + scene::LOG_RADIUS * LANES + lane % LANES];
                     let fall = falls[0] - x * (falls[1] + x * falls[2]);
-                    let along = if kernel == Kernel::Disk { square.sqrt() } else { s };
-                    let value = self.at(along, fall * along / square);
+                    along[lane] = if kernel == Kernel::Disk { square.sqrt() } else { s };
+                    across[lane] = if kernel == Kernel::Disk { 0.0 } else { t };
+                    // The table is of frequencies above 0, and even.
+                    beta[lane] = fall * along[lane].abs() / square;
+                    places[lane] = lattice.place(along[lane].abs());
+                }
+                for lane in 0..WIDTH {
+                    let value = self.at_place(places[lane], beta[lane]);
                     transfer[lane] = value.power.max(LEAST_POWER);
                     d_length[lane] = value.per_log_length;
                     d_ratio2[lane] = value.per_ratio2;
-                    d_angle[lane] = if kernel == Kernel::Disk { 0.0 } else { -t * value.per_s };
+                    d_angle[lane] = -across[lane] * 1.0_f32.copysign(along[lane]) * value.per_s;
                 }
             }
             let (count, power) = (&cells.count[range.clone()], &cells.power[range.clone()]);
@@ -261,6 +280,14 @@ impl Response {
                 continue;
             }
             out.add_information(patches, &gradients, &pull, &info, &signal_share);
+        }
+        if with_information {
+            let sums = out.products.totals();
+            for i in 0..PARAMETERS {
+                for j in i..PARAMETERS {
+                    out.information[(i, j)] = sums[i][j];
+                }
+            }
         }
         add_prior(kernel, point, with_information, out);
     }

@@ -4,7 +4,7 @@ use ndarray::ArrayView2;
 
 use super::overlay::Overlay;
 use crate::image::Window;
-use crate::spectrum::Dft2;
+use crate::spectrum::{Dft2, exp, ln};
 
 /// Radii of the bins used: above this many bins of the shorter side, where the window's own lobe ends ...
 const LEAST_BINS: f64 = 3.0;
@@ -64,7 +64,8 @@ impl Periodogram {
 
     fn under(overlay: Overlay, (rows, columns): (usize, usize), side: f64, lobe_bins: usize) -> Self {
         let half = columns / 2 + 1;
-        let (mut u, mut v, mut weight, mut index) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+        let column = || Vec::with_capacity(rows * half);
+        let (mut u, mut v, mut weight, mut index) = (column(), column(), column(), Vec::with_capacity(rows * half));
         let mut noise_bins = Vec::new();
         let mut starts = Vec::with_capacity(rows + 1);
         for row in 0..rows {
@@ -77,7 +78,7 @@ impl Periodogram {
                 if column == 0 && y <= 0.0 {
                     continue;
                 }
-                let radius = x.hypot(y);
+                let radius = (x * x + y * y).sqrt();
                 if radius < LEAST_BINS / side || radius >= MOST_FREQUENCY {
                     continue;
                 }
@@ -87,7 +88,7 @@ impl Periodogram {
                 }
                 u.push(x as f32);
                 v.push(y as f32);
-                weight.push((radius / 0.1).powf(FALL) as f32);
+                weight.push(exp(FALL as f32 * ln(10.0 * radius as f32)));
                 index.push((row * half + column) as u32);
             }
         }

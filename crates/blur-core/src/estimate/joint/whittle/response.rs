@@ -39,8 +39,11 @@ pub(super) struct Response {
     used: usize,
     /// `|H|^2`, `d/d ln L`, `d/d r^2` on the lattice.
     raw: [Vec<f32>; COLUMNS],
+    /// The same as the window shows them, `T0` and `T1`.
     even: [Vec<f32>; COLUMNS],
     odd: [Vec<f32>; COLUMNS],
+    /// Those side by side, with the slope along `s`.
+    rows: Vec<Row>,
     /// The window's lobe from its middle to where it has died away, in points of the table, ...
     lobe: Vec<f64>,
     /// ... and smeared over a cell.
@@ -51,6 +54,32 @@ pub(super) struct Response {
 }
 
 const COLUMNS: usize = 3;
+
+/// `T0` and `T1` at one point of the table: power, `d/d ln L`, `d/d r^2` and `d/ds`.
+#[derive(Debug, Clone, Copy, Default)]
+struct Row {
+    even: [f32; 4],
+    odd: [f32; 4],
+}
+
+/// Where frequencies lie in the table.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Lattice {
+    per_step: f32,
+    last: f32,
+}
+
+impl Lattice {
+    /// The point of the table below the frequency `s`, which is not negative, and what share of a step it is beyond it. No branch
+    /// and no call, so that loops over it run on vectors.
+    pub(super) fn place(self, s: f32) -> (u32, f32) {
+        // Added to this, a number up to 2^22 is rounded to the nearest integer, which the low bits hold.
+        const INTEGERS: f32 = 8_388_608.0;
+        let x = (s * self.per_step).min(self.last);
+        let shifted = (x - 0.5).max(0.0) + INTEGERS;
+        (shifted.to_bits() & 0x007f_ffff, x - (shifted - INTEGERS))
+    }
+}
 
 impl Response {
     /// For pictures whose longer side has `side` pixels, under a window whose lobe has died away beyond `lobe_bins` bins.
@@ -67,6 +96,7 @@ impl Response {
             raw: column(len + 2 * reach),
             even: column(len),
             odd: column(len),
+            rows: vec![Row::default(); len],
             lobe: vec![0.0; PER_BIN * lobe_bins + 1],
             smeared: vec![0.0; reach + 1],
             columns: 2,
@@ -194,31 +224,47 @@ impl Response {
                 }
             }
         }
+        self.arrange();
     }
 
-    #[inline]
+    /// Copies the columns into rows, with the slope by central differences.
+    fn arrange(&mut self) {
+        let per_step = (0.5 / self.step) as f32;
+        let last = self.used - 1;
+        let side_by_side = |columns: &[Vec<f32>; COLUMNS], k: usize| {
+            let power = &columns[0];
+            // The table is even.
+            let slope = if k == 0 { 0.0 } else { per_step * (power[(k + 1).min(last)] - power[k - 1]) };
+            [power[k], columns[1][k], if self.columns > 2 { columns[2][k] } else { 0.0 }, slope]
+        };
+        for (k, row) in self.rows[..self.used].iter_mut().enumerate() {
+            *row = Row { even: side_by_side(&self.even, k), odd: side_by_side(&self.odd, k) };
+        }
+    }
+
+    /// Where frequencies lie in the table.
+    pub(super) fn lattice(&self) -> Lattice {
+        Lattice { per_step: (1.0 / self.step) as f32, last: (self.used - 2) as f32 }
+    }
+
+    /// The response at a place of the [`lattice`](Self::lattice), where the sharp spectrum falls by `beta` per cycle per pixel.
+    pub(super) fn at_place(&self, (below, share): (u32, f32), beta: f32) -> Value {
+        let below = below as usize;
+        let [a, b] = [&self.rows[below], &self.rows[below + 1]];
+        let mut values = [0.0; 4];
+        for (i, value) in values.iter_mut().enumerate() {
+            let (a, b) = (a.even[i] + beta * a.odd[i], b.even[i] + beta * b.odd[i]);
+            *value = a + share * (b - a);
+        }
+        let [power, per_log_length, per_ratio2, per_s] = values;
+        Value { power, per_log_length, per_s, per_ratio2 }
+    }
+
     /// The response at the frequency `s` (either sign), where the sharp spectrum falls by `beta` per cycle per pixel.
     pub(super) fn at(&self, s: f32, beta: f32) -> Value {
-        let (beta, sign) = if s < 0.0 { (-beta, -1.0) } else { (beta, 1.0) };
-        let x = s.abs() / self.step as f32;
-        let below = (x as usize).min(self.used - 3);
-        let share = x - below as f32;
-        let column = |c: usize| {
-            let (even, odd) = (&self.even[c][below..below + 2], &self.odd[c][below..below + 2]);
-            (even[0] + beta * odd[0], even[1] + beta * odd[1])
-        };
-        let lerp = |(a, b): (f32, f32)| a + share * (b - a);
-        let (a, b) = column(0);
-        // Central differences at both ends of the interval; the table is even.
-        let before = if below == 0 { b } else { self.even[0][below - 1] + beta * self.odd[0][below - 1] };
-        let after = self.even[0][below + 2] + beta * self.odd[0][below + 2];
-        let slope = 0.5 * lerp((b - before, after - a));
-        Value {
-            power: lerp((a, b)),
-            per_log_length: lerp(column(1)),
-            per_s: sign * slope / self.step as f32,
-            per_ratio2: if self.columns > 2 { lerp(column(2)) } else { 0.0 },
-        }
+        let sign = 1.0_f32.copysign(s);
+        let value = self.at_place(self.lattice().place(s.abs()), sign * beta);
+        Value { per_s: sign * value.per_s, ..value }
     }
 }
 

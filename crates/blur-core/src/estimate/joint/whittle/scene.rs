@@ -16,6 +16,9 @@ pub(crate) const MEAN: [f64; TERMS] =
 pub(crate) const STD: [f64; TERMS] =
     [1e3, 0.65, 0.21, 0.31, 0.29, 0.43, 0.15, 0.19, 0.14, 0.09, 0.13, 0.12, 0.23, 0.15, 0.21, 0.08, 1.03, 0.72];
 
+/// Which of the terms is the logarithm of the frequency over 0.1 cycles per pixel.
+pub(super) const LOG_RADIUS: usize = 1;
+
 /// The terms at a frequency: `1, x, x^2`, `cos` and `sin` of twice and four times the direction `phi`, `x^3`, six and
 /// eight times `phi`, `x` times the first four, then a ridge along each axis; `x = ln(f / 0.1)`.
 pub(crate) fn terms(u: f64, v: f64) -> [f64; TERMS] {

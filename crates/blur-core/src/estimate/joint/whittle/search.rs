@@ -109,12 +109,12 @@ impl Band {
             found: Vec::with_capacity(CANDIDATES),
         };
         for (bin, (&u, &v)) in periodogram.u.iter().zip(&periodogram.v).enumerate() {
-            if f64::from(u).hypot(f64::from(v)) >= most_frequency {
+            if f64::from(u).powi(2) + f64::from(v).powi(2) >= most_frequency * most_frequency {
                 continue;
             }
-            let cell = |x: f32, pool: f64| (f64::from(x) / pool + 1e-6).floor();
-            let row = (cell(v, pool_v) + half as f64) as usize;
-            let slot = &mut place[row * wide + cell(u, pool_u) as usize];
+            // The first of the pools is the one at -half.
+            let cell = |x: f32, pool: f64, first: usize| (f64::from(x) / pool + 1e-6 + first as f64) as usize;
+            let slot = &mut place[cell(v, pool_v, half) * wide + cell(u, pool_u, 0)];
             if *slot == u32::MAX {
                 *slot = band.u.len() as u32;
                 band.u.push(0.0);
@@ -138,7 +138,7 @@ impl Band {
     fn prepare(&mut self) {
         let mut gram = nalgebra::SMatrix::<f64, HARMONICS, HARMONICS>::identity() * 1e-9;
         for ((&u, &v), &count) in self.u.iter().zip(&self.v).zip(&self.count) {
-            let radius = f64::from(u).hypot(f64::from(v));
+            let radius = (f64::from(u).powi(2) + f64::from(v).powi(2)).sqrt();
             let ring = (radius / self.most_frequency * RADIUS as f64) as usize;
             self.ring.push(ring.min(RINGS - 1) as u16);
             let x = (radius / self.most_frequency).ln() + 1.0;

@@ -29,6 +29,11 @@ const PERIODIC_ROWS: f64 = 1.25;
 const MOST_LENGTH_STD: f64 = 0.08;
 const MOST_ANGLE_STD_DEG: f64 = 3.0;
 
+/// Whether `outcome` is that there is no motion blur, whatever else is found.
+pub(super) fn is_denied(outcome: &Outcome) -> bool {
+    outcome.over_disk < LEAST_OVER_DISK || outcome.density < NO_DENSITY
+}
+
 /// The status of `outcome`, searched for in `range`; the first reason for doubt that applies.
 pub(super) fn status(outcome: &Outcome, range: LengthRange) -> Status {
     let share = outcome.log_share.exp();

@@ -12,6 +12,7 @@ use super::fit::{Covariance, Effort, Fit, Maximum};
 use super::periodogram::{CellSums, MOST_FREQUENCY, Periodogram};
 use super::point::{Kernel, Point};
 use super::search::{self, Band, Candidate};
+use super::verdict;
 use crate::estimate::LengthRange;
 use crate::image::Window;
 
@@ -193,7 +194,10 @@ impl View {
         self.settle_at(&mut outcome)?;
         self.compare_disk(&mut outcome);
         done(Stage::Defocus);
-        self.widen(&mut outcome);
+        // What is no blur is not looked at more closely.
+        if !verdict::is_denied(&outcome) {
+            self.widen(&mut outcome);
+        }
         done(Stage::Fit);
         Some(outcome)
     }
@@ -401,7 +405,7 @@ impl View {
         self.record(outcome, outcome.band)
     }
 
-    /// Holds the line against disks in the band where it was settled last.
+    /// Holds the line against disks in the band where it was settled last, until one explains it as well.
     fn compare_disk(&mut self, outcome: &mut Outcome) {
         let line = self.fit.maximum().loss;
         for diameter in DISKS {
@@ -411,6 +415,9 @@ impl View {
             self.fit.start_scene(&self.cells, Kernel::Disk, trial);
             let disk = self.fit.maximise(&self.cells, Kernel::Disk, trial, DISK);
             outcome.over_disk = outcome.over_disk.min(disk.loss - line);
+            if verdict::is_denied(outcome) {
+                break;
+            }
         }
     }
 
@@ -486,7 +493,7 @@ impl View {
     }
 
     /// Writes the last fit, that of the first point, into `outcome`.
-    fn record(&self, outcome: &mut Outcome, band: f64) -> Option<()> {
+    fn record(&mut self, outcome: &mut Outcome, band: f64) -> Option<()> {
         let point = &self.points[0];
         let scale = widening(point, band).powi(2);
         outcome.covariance = self.fit.covariance()?.map(|row| row.map(|value| value * scale));
