@@ -1,5 +1,7 @@
 //! The blur tile by tile, and what stands still and what moves.
 
+use std::sync::atomic::{AtomicUsize, Ordering};
+
 use blur_core::estimate::Settings;
 use blur_core::region::{Segmentation, TileBlur, TileEstimator, TilePlan, segment};
 use ndarray::ArrayView2;
@@ -25,15 +27,27 @@ impl Map {
         blur_core::image::check(image)?;
         let plan = TilePlan::new(image.dim(), tile_px)?;
         let threads = rayon::current_num_threads().min(plan.len());
-        let shares: Vec<Vec<TileBlur>> = (0..threads)
+        let next = AtomicUsize::new(0);
+        let measured: Vec<Vec<(usize, TileBlur)>> = (0..threads)
             .into_par_iter()
-            .map(|thread| {
+            .map(|_| {
+                // Tiles take longer or shorter: whoever is free takes the next one.
+                let taken = || Some(next.fetch_add(1, Ordering::Relaxed)).filter(|&tile| tile < plan.len());
+                let Some(mut tile) = taken() else { return Ok(Vec::new()) };
                 let mut estimator = TileEstimator::new(plan, settings)?;
-                (thread..plan.len()).step_by(threads).map(|tile| estimator.estimate(image, tile)).collect()
+                let mut measured = Vec::new();
+                loop {
+                    measured.push((tile, estimator.estimate(image, tile)?));
+                    match taken() {
+                        Some(other) => tile = other,
+                        None => return Ok(measured),
+                    }
+                }
             })
             .collect::<blur_core::Result<_>>()?;
-        // Tile `i` is number `i / threads` of thread `i % threads`.
-        let tiles: Vec<TileBlur> = (0..plan.len()).map(|tile| shares[tile % threads][tile / threads]).collect();
+        let mut measured: Vec<(usize, TileBlur)> = measured.into_iter().flatten().collect();
+        measured.sort_unstable_by_key(|(tile, _)| *tile);
+        let tiles: Vec<TileBlur> = measured.into_iter().map(|(_, blur)| blur).collect();
         let segmentation = segment(image, &tiles, settings)?;
         Ok(Self { plan, tiles, segmentation })
     }

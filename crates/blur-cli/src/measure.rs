@@ -11,13 +11,13 @@ use blur_core::region::Mask;
 use blur_core::restore;
 use metrology::Measurement;
 
-use crate::Result;
 use crate::map::Map;
 use crate::masked::Masked;
 use crate::method::Method;
 use crate::metric::Metric;
 use crate::picture::{Linearize, Picture};
 use crate::record::{EvidenceFields, MapFields, Record, RegionSpeed};
+use crate::{Error, Result};
 
 /// What to measure and how, for all pictures of a run.
 #[derive(Clone)]
@@ -108,12 +108,18 @@ impl<'a> Measurer<'a> {
         let (height, width) = picture.luma.dim();
         let region = self.options.roi.unwrap_or(Region { x: 0, y: 0, width, height });
         let view = region.of(picture.luma.view())?;
-        let start = Instant::now();
-        let blur = match &mut self.masked {
-            Some(masked) => masked.estimate(view)?,
-            None => self.estimator.estimate(view)?,
+        let options = self.options;
+        let whole = || {
+            let start = Instant::now();
+            let blur = match &mut self.masked {
+                Some(masked) => masked.estimate(view),
+                None => self.estimator.estimate(view).map_err(Error::from),
+            };
+            (blur, start.elapsed().as_secs_f64() * 1e3)
         };
-        let time_ms = start.elapsed().as_secs_f64() * 1e3;
+        let tiles = || options.map_tile_px.map(|tile_px| Map::measure(view, tile_px, &options.settings)).transpose();
+        let ((blur, time_ms), map) = rayon::join(whole, tiles);
+        let (blur, map) = (blur?, map?);
 
         let metric = Metric::new(self.options, picture)?;
         let centre_px = self.mask().map_or_else(|| centre_of(region), Mask::centroid);
@@ -121,8 +127,6 @@ impl<'a> Measurer<'a> {
         let (speed, no_speed) = metric.speed(&blur, &place);
         let speed_std_m_s = speed.and_then(|speed| speed.std_m_s);
         let exposure = metric.exposure();
-        let map =
-            self.options.map_tile_px.map(|tile_px| Map::measure(view, tile_px, &self.options.settings)).transpose()?;
         let origin = (region.x, region.y);
         let record = Record {
             image,
