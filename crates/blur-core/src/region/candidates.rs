@@ -1,10 +1,10 @@
 //! The motions that several tiles agree upon.
 
 use super::tiles::TileBlur;
-use crate::estimate::{AxialAngle, MotionBlur, Status};
+use crate::estimate::{AxialAngle, Doubt, MotionBlur, Status};
 
 /// Motions at most.
-const MOST: usize = 8;
+const MOST: usize = 6;
 /// Votes of a tile whose blur is certain; one in doubt has one.
 const CERTAIN: usize = 3;
 /// Votes that make a motion.
@@ -13,6 +13,8 @@ const LEAST_VOTES: usize = 3;
 const DEVIATIONS: f64 = 3.0;
 /// ... of their own and of this share of the length: a blur may differ somewhat over an object.
 const TOLERANCE: f64 = 0.08;
+/// A tile that knows its blur no better than to this share of the length agrees with anything, and has no vote.
+const MOST_STD: f64 = 0.15;
 
 /// A motion as a point of the plane: `(L cos angle, L sin angle)`, of which the opposite point is the same motion.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -72,7 +74,7 @@ fn distance2(a: &MotionBlur, b: &MotionBlur) -> f64 {
 fn covariance(blur: &MotionBlur) -> [f64; 3] {
     let (sin, cos) = blur.angle.rad().sin_cos();
     let length = blur.length_px;
-    let (along, across) = (blur.length_std_px.unwrap_or(0.0), length * blur.angle_std_deg.unwrap_or(0.0).to_radians());
+    let (along, across) = stds_px(blur);
     let mixed = blur.correlation.unwrap_or(0.0) * along * across;
     let own = 0.5 * (TOLERANCE * length).powi(2);
     let (ll, lt, tt) = (along * along + own, mixed, across * across + own);
@@ -81,6 +83,18 @@ fn covariance(blur: &MotionBlur) -> [f64; 3] {
         sin * cos * (ll - tt) + (cos * cos - sin * sin) * lt,
         sin * sin * ll + 2.0 * sin * cos * lt + cos * cos * tt,
     ]
+}
+
+/// Standard uncertainties of a blur along it and across it, in pixels.
+fn stds_px(blur: &MotionBlur) -> (f64, f64) {
+    let across = blur.length_px * blur.angle_std_deg.unwrap_or(0.0).to_radians();
+    (blur.length_std_px.unwrap_or(0.0), across)
+}
+
+/// Whether a blur is known well enough to agree with one and not with another.
+fn is_known(blur: &MotionBlur) -> bool {
+    let (along, across) = stds_px(blur);
+    along.hypot(across) <= MOST_STD * blur.length_px
 }
 
 /// The motions of the tiles that have one, the one with most votes first: a tile in doubt may be right all the same when
@@ -94,7 +108,7 @@ pub(super) fn candidates(tiles: &[TileBlur]) -> Vec<Candidate> {
     let mut blurs: Vec<(MotionBlur, (f64, f64))> = tiles
         .iter()
         .filter_map(|tile| tile.blur.map(|blur| (blur, tile.centre())))
-        .filter(|(blur, _)| vote(blur.status) > 0)
+        .filter(|(blur, _)| vote(blur.status) > 0 && is_known(blur))
         .collect();
     let reach_px = tiles.iter().map(|tile| tile.tile.width).max().unwrap_or(0) as f64;
     let near = |a: &MotionBlur, b: &MotionBlur| distance2(a, b) < DEVIATIONS * DEVIATIONS;
@@ -107,6 +121,13 @@ pub(super) fn candidates(tiles: &[TileBlur]) -> Vec<Candidate> {
         };
         if most < LEAST_VOTES {
             break;
+        }
+        if !blurs
+            .iter()
+            .any(|(b, _)| near(&leader, b) && !matches!(b.status, Status::LowConfidence(Doubt::WeakEvidence { .. })))
+        {
+            blurs.retain(|(blur, _)| !near(&leader, blur));
+            continue;
         }
         let origin = AxialVector::of(leader.length_px, leader.angle);
         let (mut x, mut y, mut total) = (0.0, 0.0, 0.0);

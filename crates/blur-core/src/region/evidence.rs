@@ -7,7 +7,8 @@ use ndarray::{Array2, ArrayView2};
 
 use crate::estimate::AxialAngle;
 use crate::image::{Region, Window};
-use crate::spectrum::Dft2;
+use crate::products::{Columns, LANES, Products, TILE, WIDTH};
+use crate::spectrum::{Dft2, exp, ln};
 
 /// Frequencies used: from this many bins to this many cycles per pixel.
 const LEAST_BINS: f64 = 1.6;
@@ -27,18 +28,18 @@ const LEAST_NOISE: f64 = 2.0;
 
 /// Terms of the logarithm of a scene's power.
 const TERMS: usize = 13;
-/// Terms with room for whole registers.
-const LANES: usize = 16;
+/// What is multiplied with each other, filled up to whole tiles: what pulls at the level, then the terms.
+const COLUMNS: usize = (1 + TERMS).next_multiple_of(TILE);
 /// Means and standard deviations of the terms before anything is seen; the level is free. With `l = ln 8 f` they are 1, `-l`,
 /// then cosine and sine of twice and of four times the direction, `l^2`, `l` times those of twice, of six times the direction,
 /// `l` times those of four times. A scene may be quite anisotropic before the evidence is that it moves.
 const MEAN: [f64; TERMS] = [0.0, 2.4, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0];
 const STD: [f64; TERMS] = [100.0, 0.6, 0.5, 0.5, 0.4, 0.4, 0.3, 0.3, 0.3, 0.3, 0.3, 0.2, 0.2];
 
-/// Steps of a fit at most, the longest step of a term, and the one at which it ends.
+/// Steps of a fit at most, the longest step of a term, and the gain of the likelihood's logarithm that is not worth a step.
 const STEPS: usize = 8;
 const LONGEST_STEP: f64 = 1.5;
-const LEAST_STEP: f64 = 0.02;
+const LEAST_GAIN: f64 = 0.05;
 
 /// Cells of the spectrum of a small window for one motion.
 #[derive(Debug)]
@@ -49,22 +50,28 @@ pub(super) struct Cells {
     window: Vec<f32>,
     /// Bins of the half spectrum that are used, each with its cell.
     bins: Vec<(usize, usize)>,
-    cells: Vec<Cell>,
+    groups: Vec<Group>,
 }
 
-#[derive(Debug, Clone, Copy)]
-struct Cell {
-    terms: [f32; LANES],
+/// Cells side by side; the last group is filled up with some that hold no bins.
+#[derive(Debug, Clone)]
+struct Group {
+    /// Column `1 + i` is term `i`.
+    terms: Columns<COLUMNS>,
     /// Power transfer of the motion, seen through the window.
-    transfer: f32,
-    bins: f32,
+    transfer: [f32; WIDTH],
+    bins: [f32; WIDTH],
 }
 
 /// What a thread needs to look at one point after the other.
 #[derive(Debug)]
 pub(super) struct Workspace {
     dft: Dft2,
+    /// Of each cell, as many as the groups hold.
     powers: Vec<f32>,
+    products: Products<COLUMNS>,
+    /// Amplitudes of the last point's scene if it stood still, and if it moved: a neighbour is much like it.
+    last: [[f64; TERMS]; 2],
 }
 
 impl Cells {
@@ -107,16 +114,22 @@ impl Cells {
                 sum.3 += 1.0;
             }
         }
-        let cells = sums.into_iter().map(|(terms, transfer, power, bins)| Cell {
-            terms: std::array::from_fn(|i| terms.get(i).map_or(0.0, |term| (term / bins) as f32)),
-            transfer: (((transfer / power).max(0.0) + INCOHERENT) / (1.0 + INCOHERENT)) as f32,
-            bins: bins as f32,
-        });
-        Self { side, tempering, window: Window::Hann.weights(side), bins, cells: cells.collect() }
+        let empty = Group { terms: [[0.0; WIDTH]; COLUMNS], transfer: [1.0; WIDTH], bins: [0.0; WIDTH] };
+        let mut groups = vec![empty; sums.len().div_ceil(WIDTH)];
+        for (cell, (terms, transfer, power, bins)) in sums.into_iter().enumerate() {
+            let (group, lane) = (&mut groups[cell / WIDTH], cell % WIDTH);
+            for (column, term) in group.terms[1..].iter_mut().zip(terms) {
+                column[lane] = (term / bins) as f32;
+            }
+            group.transfer[lane] = (((transfer / power).max(0.0) + INCOHERENT) / (1.0 + INCOHERENT)) as f32;
+            group.bins[lane] = bins as f32;
+        }
+        Self { side, tempering, window: Window::Hann.weights(side), bins, groups }
     }
 
     pub(super) fn workspace(&self) -> Workspace {
-        Workspace { dft: Dft2::new(self.side, self.side), powers: vec![0.0; self.cells.len()] }
+        let dft = Dft2::new(self.side, self.side);
+        Workspace { dft, powers: vec![0.0; WIDTH * self.groups.len()], products: Products::new(), last: [MEAN; 2] }
     }
 
     /// Logarithm of the ratio of the likelihoods with the motion and without, around the pixel `(row, column)`, or as near to it
@@ -135,8 +148,9 @@ impl Cells {
             return 0.0;
         };
         self.measure(workspace, view, noise_variance.max(LEAST_NOISE));
-        let still = self.fit(&workspace.powers, |_| 1.0);
-        let moving = self.fit(&workspace.powers, |cell| cell.transfer);
+        let Workspace { powers, products, last: [last_still, last_moving], .. } = workspace;
+        let still = self.fit(products, powers, |_| &[1.0; WIDTH], last_still);
+        let moving = self.fit(products, powers, |group| &group.transfer, last_moving);
         (moving - still) as f32
     }
 
@@ -145,10 +159,12 @@ impl Cells {
         let input: &mut Array2<f32> = workspace.dft.input();
         let mut mean = 0.0;
         for ((from, mut to), &down) in view.rows().into_iter().zip(input.rows_mut()).zip(&self.window) {
-            for ((to, &from), &across) in to.iter_mut().zip(from).zip(&self.window) {
+            let mut sums = [0.0; LANES];
+            for (i, ((to, &from), &across)) in to.iter_mut().zip(from).zip(&self.window).enumerate() {
                 *to = from;
-                mean += down * across * from;
+                sums[i % LANES] += across * from;
             }
+            mean += down * sums.iter().sum::<f32>();
         }
         let sum: f32 = self.window.iter().sum();
         let squares: f32 = self.window.iter().map(|weight| weight * weight).sum();
@@ -164,17 +180,24 @@ impl Cells {
                 workspace.powers[cell] += scale * spectrum[bin].norm_sqr();
             }
         }
-        workspace.powers.iter_mut().zip(&self.cells).for_each(|(power, cell)| *power /= cell.bins);
+        let bins = self.groups.iter().flat_map(|group| &group.bins);
+        workspace.powers.iter_mut().zip(bins).for_each(|(power, bins)| *power /= bins.max(1.0));
     }
 
     /// Logarithm of the largest posterior density of a scene whose power is `transfer` times a log-linear model, over noise of
-    /// power 1.
-    fn fit(&self, powers: &[f32], transfer: impl Fn(&Cell) -> f32) -> f64 {
-        let mut terms = MEAN;
-        terms[0] = self.level(powers, &transfer);
+    /// power 1. Starts from the amplitudes `terms`, but for the level, and leaves there those found.
+    fn fit(
+        &self,
+        products: &mut Products<COLUMNS>,
+        powers: &[f32],
+        transfer: impl Fn(&Group) -> &[f32; WIDTH],
+        terms: &mut [f64; TERMS],
+    ) -> f64 {
+        terms[0] = 0.0;
+        terms[0] = self.level(powers, &transfer, terms);
         let mut best = f64::NEG_INFINITY;
         for _ in 0..STEPS {
-            let (likelihood, mut slope, mut curvature) = self.expand(&terms, powers, &transfer);
+            let (likelihood, mut slope, mut curvature) = self.expand(products, terms, powers, &transfer);
             let mut posterior = likelihood;
             for (term, (mean, std)) in MEAN.into_iter().zip(STD).enumerate() {
                 let (off, weight) = (terms[term] - mean, 1.0 / (std * std));
@@ -185,24 +208,30 @@ impl Cells {
             best = posterior.max(best);
             let Some(root) = curvature.cholesky() else { break };
             let step = root.solve(&slope);
-            let longest = step.amax();
-            if longest < LEAST_STEP {
-                break;
+            let gain = 0.5 * slope.dot(&step);
+            if gain < LEAST_GAIN {
+                return best.max(posterior + gain);
             }
-            let share = (LONGEST_STEP / longest).min(1.0);
+            let share = (LONGEST_STEP / step.amax()).min(1.0);
             terms.iter_mut().zip(step.iter()).for_each(|(term, step)| *term += share * step);
         }
+        // Nowhere to start from.
+        *terms = MEAN;
         best
     }
 
-    /// The level at which a scene of the mean shape has the power that was measured.
-    fn level(&self, powers: &[f32], transfer: impl Fn(&Cell) -> f32) -> f64 {
+    /// The level at which a scene of this shape has the power that was measured.
+    fn level(&self, powers: &[f32], transfer: impl Fn(&Group) -> &[f32; WIDTH], shape: &[f64; TERMS]) -> f64 {
         let (mut measured, mut expected, mut bins) = (0.0, 0.0, 0.0);
-        for (cell, &power) in self.cells.iter().zip(powers) {
-            let shape: f32 = cell.terms.iter().zip(MEAN).map(|(term, mean)| term * mean as f32).sum();
-            measured += f64::from(cell.bins * (power - 1.0));
-            expected += f64::from(cell.bins * shape.exp() * transfer(cell));
-            bins += f64::from(cell.bins);
+        for (group, powers) in self.groups.iter().zip(powers.as_chunks::<WIDTH>().0) {
+            let shape = group.logarithms(shape);
+            let transfer = transfer(group);
+            for lane in 0..WIDTH {
+                let count = group.bins[lane];
+                measured += f64::from(count * (powers[lane] - 1.0));
+                expected += f64::from(count * exp(shape[lane]) * transfer[lane]);
+                bins += f64::from(count);
+            }
         }
         (measured.max(1e-3 * bins) / expected).ln()
     }
@@ -210,38 +239,55 @@ impl Cells {
     /// Logarithm of the likelihood of exponentially distributed powers, its slope and its expected curvature.
     fn expand(
         &self,
+        products: &mut Products<COLUMNS>,
         terms: &[f64; TERMS],
         powers: &[f32],
-        transfer: impl Fn(&Cell) -> f32,
+        transfer: impl Fn(&Group) -> &[f32; WIDTH],
     ) -> (f64, SVector<f64, TERMS>, SMatrix<f64, TERMS, TERMS>) {
-        let amplitudes: [f32; LANES] = std::array::from_fn(|i| terms.get(i).map_or(0.0, |&term| term as f32));
+        products.clear();
         let mut likelihood = 0.0;
-        let (mut slope, mut curvature) = ([0.0_f32; LANES], [[0.0_f32; LANES]; TERMS]);
-        for (cell, &power) in self.cells.iter().zip(powers) {
-            let mut products = [0.0; LANES];
-            for ((product, term), amplitude) in products.iter_mut().zip(cell.terms).zip(amplitudes) {
-                *product = term * amplitude;
+        let mut weighted = [[0.0_f32; WIDTH]; COLUMNS];
+        for (group, powers) in self.groups.iter().zip(powers.as_chunks::<WIDTH>().0) {
+            let logarithms = group.logarithms(terms);
+            let transfer = transfer(group);
+            let (mut weights, mut losses) = ([0.0_f32; WIDTH], [0.0_f32; WIDTH]);
+            for lane in 0..WIDTH {
+                let bins = group.bins[lane];
+                let scene = exp(logarithms[lane].min(50.0)) * transfer[lane];
+                let inverse = 1.0 / (scene + 1.0);
+                let (share, ratio) = (scene * inverse, powers[lane] * inverse);
+                losses[lane] = bins * (ln(scene + 1.0) + ratio);
+                weights[lane] = bins * share * share;
+                weighted[0][lane] = bins * share * (ratio - 1.0);
             }
-            let scene = products.iter().sum::<f32>().min(50.0).exp() * transfer(cell);
-            let expected = scene + 1.0;
-            likelihood -= f64::from(cell.bins * (expected.ln() + power / expected));
-            let share = scene / expected;
-            let (per_term, weight) = (cell.bins * share * (power / expected - 1.0), cell.bins * share * share);
-            for (slope, term) in slope.iter_mut().zip(cell.terms) {
-                *slope += per_term * term;
-            }
-            for (row, term) in curvature.iter_mut().zip(cell.terms) {
-                let weighted = weight * term;
-                for (sum, other) in row.iter_mut().zip(cell.terms) {
-                    *sum += weighted * other;
+            likelihood -= f64::from(losses.iter().sum::<f32>());
+            for (weighted, terms) in weighted[1..].iter_mut().zip(&group.terms[1..]) {
+                for ((out, term), weight) in weighted.iter_mut().zip(terms).zip(&weights) {
+                    *out = term * weight;
                 }
             }
+            products.add(&weighted, &group.terms);
         }
+        let sums = products.totals();
         (
             self.tempering * likelihood,
-            SVector::from_fn(|i, _| self.tempering * f64::from(slope[i])),
-            SMatrix::from_fn(|i, j| self.tempering * f64::from(curvature[i][j])),
+            SVector::from_fn(|i, _| self.tempering * sums[0][1 + i]),
+            SMatrix::from_fn(|i, j| self.tempering * sums[1 + i.min(j)][1 + i.max(j)]),
         )
+    }
+}
+
+impl Group {
+    /// Logarithms of the power of a scene with these amplitudes.
+    fn logarithms(&self, amplitudes: &[f64; TERMS]) -> [f32; WIDTH] {
+        let mut sums = [0.0; WIDTH];
+        for (column, &amplitude) in self.terms[1..].iter().zip(amplitudes) {
+            let amplitude = amplitude as f32;
+            for (sum, &term) in sums.iter_mut().zip(column) {
+                *sum += amplitude * term;
+            }
+        }
+        sums
     }
 }
 

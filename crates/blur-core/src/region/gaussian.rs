@@ -23,28 +23,69 @@ pub(super) fn derivative(sigma_px: f64) -> Vec<f32> {
 /// `picture` filtered by `across` along its rows and by `down` along its columns. Taps are those of a correlation
 /// whose middle is the pixel itself.
 pub(super) fn filter(picture: &Array2<f32>, across: &[f32], down: &[f32]) -> Array2<f32> {
-    let (rows, columns) = picture.dim();
-    let mut along = vec![0.0; rows * columns];
-    let reach = across.len() / 2;
-    let mut padded = vec![0.0; columns + 2 * reach];
-    for (row, out) in picture.rows().into_iter().zip(along.chunks_exact_mut(columns)) {
-        for (i, value) in padded.iter_mut().enumerate() {
-            *value = row[i.saturating_sub(reach).min(columns - 1)];
-        }
-        add_weighted(out, across, |k| &padded[k..k + columns]);
-    }
-    let mut filtered = Array2::<f32>::zeros((rows, columns));
-    let reach = down.len() / 2;
-    let mut sums = vec![0.0; columns];
-    for (r, out) in filtered.rows_mut().into_iter().enumerate() {
-        sums.fill(0.0);
-        add_weighted(&mut sums, down, |k| {
-            let row = (r + k).saturating_sub(reach).min(rows - 1);
-            &along[row * columns..(row + 1) * columns]
-        });
-        out.into_iter().zip(&sums).for_each(|(out, &sum)| *out = sum);
+    let mut filter = RowFilter::new(picture, across, down);
+    let mut filtered = Array2::zeros(picture.dim());
+    for out in filtered.rows_mut() {
+        out.into_iter().zip(filter.next_row()).for_each(|(out, &value)| *out = value);
     }
     filtered
+}
+
+/// A filtered picture, row by row from the top: what is read again soon is all that is kept.
+#[derive(Debug)]
+pub(super) struct RowFilter<'a> {
+    picture: &'a Array2<f32>,
+    across: &'a [f32],
+    down: &'a [f32],
+    padded: Vec<f32>,
+    /// The last rows, filtered along themselves: row `r` is number `r` modulo the taps.
+    along: Vec<f32>,
+    /// Rows that were filtered along themselves.
+    filtered: usize,
+    sums: Vec<f32>,
+    /// The next row to come.
+    row: usize,
+}
+
+impl<'a> RowFilter<'a> {
+    /// As [`filter`].
+    pub(super) fn new(picture: &'a Array2<f32>, across: &'a [f32], down: &'a [f32]) -> Self {
+        let columns = picture.ncols();
+        Self {
+            picture,
+            across,
+            down,
+            padded: vec![0.0; columns + across.len() - 1],
+            along: vec![0.0; down.len() * columns],
+            filtered: 0,
+            sums: vec![0.0; columns],
+            row: 0,
+        }
+    }
+
+    /// The next row; the last one again when there is none.
+    pub(super) fn next_row(&mut self) -> &[f32] {
+        let (rows, columns) = self.picture.dim();
+        let reach = self.down.len() / 2;
+        while self.filtered < rows.min(self.row + reach + 1) {
+            let row = self.picture.row(self.filtered);
+            let margin = self.across.len() / 2;
+            for (i, value) in self.padded.iter_mut().enumerate() {
+                *value = row[i.saturating_sub(margin).min(columns - 1)];
+            }
+            let out = &mut self.along[self.filtered % self.down.len() * columns..][..columns];
+            out.fill(0.0);
+            add_weighted(out, self.across, |k| &self.padded[k..k + columns]);
+            self.filtered += 1;
+        }
+        self.sums.fill(0.0);
+        add_weighted(&mut self.sums, self.down, |k| {
+            let row = (self.row + k).saturating_sub(reach).min(rows - 1);
+            &self.along[row % self.down.len() * columns..][..columns]
+        });
+        self.row = (self.row + 1).min(rows - 1);
+        &self.sums
+    }
 }
 
 /// Adds `taps[k] * line(k)` for every `k` to `out`, four lines at a time, so that `out` is loaded and stored less often than

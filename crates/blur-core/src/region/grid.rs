@@ -56,23 +56,22 @@ impl Grid {
         (near(y, self.rows - 1), near(x, self.columns - 1))
     }
 
-    /// Of the labels of the four points around a pixel, that which weighs most by how near they are and how much they count.
-    pub(super) fn label(self, labels: &Array2<u8>, (row, column): (usize, usize)) -> u8 {
+    /// Labels of the pixels of a picture of `dim` rows and columns, from those of the points: of the four around a pixel, that
+    /// which weighs most by how near they are and how much they count.
+    pub(super) fn to_pixels(self, labels: &Array2<u8>, dim: (usize, usize)) -> Array2<u8> {
         let (first_row, first_column) = self.pixel((0, 0));
-        let (top, down) = self.between(row, first_row, self.rows);
-        let (left, right) = self.between(column, first_column, self.columns);
-        let (bottom, other) = ((top + 1).min(self.rows - 1), (left + 1).min(self.columns - 1));
-        let around = [
-            (labels[(top, left)], (1.0 - down) * (1.0 - right)),
-            (labels[(top, other)], (1.0 - down) * right),
-            (labels[(bottom, left)], down * (1.0 - right)),
-            (labels[(bottom, other)], down * right),
-        ];
-        let counts = |label: u8| if label == 0 { 1.0 } else { MOVING };
-        let weight =
-            |label: u8| counts(label) * around.iter().filter(|(l, _)| *l == label).map(|(_, w)| w).sum::<f32>();
-        let heaviest = around.iter().map(|&(label, _)| (label, weight(label))).max_by(|a, b| a.1.total_cmp(&b.1));
-        heaviest.map_or(0, |(label, _)| label)
+        let columns: Vec<(usize, f32)> =
+            (0..dim.1).map(|column| self.between(column, first_column, self.columns)).collect();
+        let mut pixels = Array2::zeros(dim);
+        for (row, mut pixels) in pixels.rows_mut().into_iter().enumerate() {
+            let (top, down) = self.between(row, first_row, self.rows);
+            let (above, below) = (labels.row(top), labels.row((top + 1).min(self.rows - 1)));
+            for (pixel, &(left, right)) in pixels.iter_mut().zip(&columns) {
+                let other = (left + 1).min(self.columns - 1);
+                *pixel = heaviest([above[left], above[other], below[left], below[other]], (down, right));
+            }
+        }
+        pixels
     }
 
     /// The last of `count` points, the first of which is at `first`, that is not beyond `pixel`, and what share of a step the pixel
@@ -82,6 +81,21 @@ impl Grid {
         let (point, rest) = (beyond / self.step_px(), beyond % self.step_px());
         if point + 1 < count { (point, rest as f32 / self.step_px() as f32) } else { (count - 1, 0.0) }
     }
+}
+
+/// Of the labels above and below, left and right, that which weighs most at a place that is `(down, right)` of a step away from
+/// the first.
+fn heaviest(labels: [u8; 4], (down, right): (f32, f32)) -> u8 {
+    if labels.iter().all(|&label| label == labels[0]) {
+        return labels[0];
+    }
+    let near = [(1.0 - down) * (1.0 - right), (1.0 - down) * right, down * (1.0 - right), down * right];
+    let counts = |label: u8| if label == 0 { 1.0 } else { MOVING };
+    let weight = |label: u8| {
+        counts(label) * labels.iter().zip(near).filter(|(other, _)| **other == label).map(|(_, near)| near).sum::<f32>()
+    };
+    let heaviest = labels.iter().map(|&label| (label, weight(label))).max_by(|a, b| a.1.total_cmp(&b.1));
+    heaviest.map_or(0, |(label, _)| label)
 }
 
 #[cfg(test)]
@@ -111,9 +125,9 @@ mod tests {
         let grid = grid();
         let labels = Array2::from_shape_fn((12, 16), |(_, column)| u8::from(column < 5));
         let (_, last) = grid.pixel((0, 4));
-        let moving = (0..128).filter(|&column| grid.label(&labels, (50, column)) == 1).count();
+        let pixels = grid.to_pixels(&labels, (96, 128));
+        let moving = (0..128).filter(|&column| pixels[(50, column)] == 1).count();
         assert_eq!(moving, last + grid.step_px() * 3 / 4);
-        assert_eq!(grid.label(&labels, (95, 127)), 0);
-        assert_eq!(grid.label(&labels, (0, 0)), 1);
+        assert_eq!((pixels[(95, 127)], pixels[(0, 0)]), (0, 1));
     }
 }

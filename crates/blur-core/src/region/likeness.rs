@@ -29,14 +29,34 @@ const WEIGHTS: Terms = [
 ];
 const INTERCEPT: f32 = -0.10;
 
+/// How closely spectra are looked at.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Detail {
+    /// Enough to find a region, not its border.
+    Coarse,
+    /// As closely as they tell something.
+    Fine,
+}
+
+impl Detail {
+    /// Least steps of the grid from one window to the next.
+    fn steps(self) -> usize {
+        match self {
+            Self::Coarse => 2,
+            Self::Fine => 1,
+        }
+    }
+}
+
 /// Logarithm of the odds that each point of the grid moves as `candidate`, or minus infinity where it cannot.
 pub(super) fn log_odds(
     image: ArrayView2<'_, f32>,
     texture: &Texture,
     grid: Grid,
     candidate: &Candidate,
+    detail: Detail,
 ) -> Array2<f32> {
-    let terms = terms(image, texture, grid, candidate);
+    let terms = terms(image, texture, grid, candidate, detail);
     terms.mapv(|terms| match terms {
         Some(terms) => INTERCEPT + terms.iter().zip(WEIGHTS).map(|(term, weight)| weight * term).sum::<f32>(),
         None => f32::NEG_INFINITY,
@@ -66,7 +86,7 @@ pub fn likeness_terms(
     let texture = Texture::new(image);
     let grid = Grid::new(&texture, tile_px);
     let everywhere = Candidate { length_px, angle, seeds: vec![(0.0, 0.0)], reach_px: f64::INFINITY };
-    let terms = terms(image, &texture, grid, &everywhere);
+    let terms = terms(image, &texture, grid, &everywhere, Detail::Fine);
     let points = terms
         .indexed_iter()
         .filter_map(|(point, terms)| terms.map(|terms| LikenessPoint { pixel: grid.pixel(point), terms }));
@@ -79,7 +99,13 @@ pub fn likeness_weights() -> (f32, [f32; LIKENESS_TERMS]) {
 }
 
 /// The terms of each point of the grid that `candidate` reaches.
-fn terms(image: ArrayView2<'_, f32>, texture: &Texture, grid: Grid, candidate: &Candidate) -> Array2<Option<Terms>> {
+fn terms(
+    image: ArrayView2<'_, f32>,
+    texture: &Texture,
+    grid: Grid,
+    candidate: &Candidate,
+    detail: Detail,
+) -> Array2<Option<Terms>> {
     let (sin, cos) = candidate.angle.rad().sin_cos();
     // Rows count downwards.
     let direction = (cos as f32, -sin as f32);
@@ -87,7 +113,7 @@ fn terms(image: ArrayView2<'_, f32>, texture: &Texture, grid: Grid, candidate: &
         (0..CORRELATED.len()).map(|index| texture.end_correlations(index, candidate.length_px, direction)).collect();
     let spectra = SPECTRA.map(|(side, tempering, every)| {
         let cells = Cells::new(side, tempering, candidate.length_px, candidate.angle);
-        evidence(image, texture.noise_variance(), grid, candidate, (&cells, every))
+        evidence(image, texture.noise_variance(), grid, candidate, (&cells, every.max(detail.steps())))
     });
     let (rows, columns) = grid.dim();
     let of_row = |&row: &usize| {

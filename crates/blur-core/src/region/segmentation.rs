@@ -1,6 +1,6 @@
 //! Which pixel stands still, which follows which motion, and which tells nothing.
 
-use ndarray::{Array2, ArrayView2};
+use ndarray::{Array2, ArrayView2, Axis, Slice};
 
 use super::borders::Borders;
 use super::candidates::{Candidate, candidates};
@@ -8,12 +8,12 @@ use super::components::{fill_holes, flood};
 use super::each::each;
 use super::expansion;
 use super::grid::Grid;
-use super::likeness::log_odds;
+use super::likeness::{Detail, log_odds};
 use super::texture::Texture;
 use super::tiles::TileBlur;
 use super::weights::inside;
 use crate::estimate::joint::Whittle;
-use crate::estimate::{MotionBlur, Settings, Status};
+use crate::estimate::{Doubt, MotionBlur, Settings, Status};
 use crate::{Error, Result, image};
 
 /// Label of pixels that stand still.
@@ -23,13 +23,37 @@ pub const UNKNOWN: u8 = 255;
 
 /// Least area of a moving region, in squares of the least side that can be measured.
 const LEAST_SQUARES: usize = 4;
+/// Rows and columns of a region that are measured, at most: those about its centre, as of a whole picture.
+const MOST_MEASURED_PX: usize = 1024;
+
 /// A motion that a region of its own bears out.
 struct BorneOut {
     candidate: Candidate,
     /// The blur of that region.
     blur: MotionBlur,
+    /// Whether that is beyond doubt, or in doubt only because of another blur that the tiles do not show.
+    is_certain: bool,
+    /// That region, with the label [`ALONE`].
+    labels: Array2<u8>,
     /// Logarithms of its odds at the points.
     odds: Array2<f32>,
+}
+
+/// Label of a motion that has the picture to itself.
+const ALONE: u8 = 1;
+/// A region that overlaps by this much, as a share of both together, with one that was measured is not measured again.
+const SAME_REGION: f64 = 0.9;
+
+impl BorneOut {
+    /// Whether the pixels that have `label` are as good as the region that bore it out.
+    fn is_region(&self, labels: &Array2<u8>, label: u8) -> bool {
+        let (mut both, mut either) = (0, 0);
+        for (&own, &other) in self.labels.iter().zip(labels) {
+            both += usize::from(own == ALONE && other == label);
+            either += usize::from(own == ALONE || other == label);
+        }
+        both as f64 >= SAME_REGION * either as f64
+    }
 }
 
 /// By how much the blur of a region may differ from that of its candidate, as a share of the length.
@@ -77,14 +101,14 @@ impl MovingRegion {
     /// certainty by itself, in doubt now too. One of the two measurements has to be certain: a still picture has parts that look
     /// blurred enough to be doubted.
     fn bears_out(self, motion: &BorneOut) -> Option<Self> {
-        if self.blur.status != Status::Ok && motion.blur.status != Status::Ok {
+        if self.blur.status != Status::Ok && !motion.is_certain {
             return None;
         }
         if OF_REGIONS.allows(&motion.candidate, &self.blur) {
             return Some(self);
         }
-        match (self.blur.status, motion.blur.status) {
-            (Status::LowConfidence(_), Status::Ok) => {
+        match self.blur.status {
+            Status::LowConfidence(_) if motion.is_certain => {
                 Some(Self { blur: MotionBlur { status: self.blur.status, ..motion.blur }, ..self })
             }
             _ => None,
@@ -133,7 +157,13 @@ pub fn segment(image: ArrayView2<'_, f32>, tiles: &[TileBlur], settings: &Settin
     let mut labels = points.divide(&competing);
     let numbered: Vec<(u8, &BorneOut)> = (1..).zip(&motions).collect();
     let regions = each(&numbered, |&(label, motion)| {
-        let region = measure(image, &labels, label, &motion.candidate, &mut Whittle::new(&settings))?;
+        let Some(place) = Place::of(&labels, label) else { return Ok(None) };
+        let blur = if motion.is_region(&labels, label) {
+            Some(motion.blur)
+        } else {
+            measure(image, &labels, label, place, motion.candidate.length_px, &settings)?
+        };
+        let region = blur.map(|blur| MovingRegion { label, area_px: place.area_px, centroid: place.centroid, blur });
         Ok(region.and_then(|region| region.bears_out(motion)))
     });
     let mut moving: Vec<MovingRegion> = Vec::new();
@@ -148,6 +178,7 @@ pub fn segment(image: ArrayView2<'_, f32>, tiles: &[TileBlur], settings: &Settin
         };
         labels.mapv_inplace(|other| if other == found { region } else { other });
     }
+    points.tell_unknown(&mut labels);
     Ok(Segmentation { labels, moving })
 }
 
@@ -175,42 +206,46 @@ impl Points {
         candidates: Vec<Candidate>,
         settings: &Settings,
     ) -> Result<Vec<BorneOut>> {
-        let odds_of = |candidate: &Candidate| log_odds(image, &self.texture, self.grid, candidate);
+        let odds_of = |candidate: &Candidate, detail| log_odds(image, &self.texture, self.grid, candidate, detail);
         let regions = each(&candidates, |candidate| {
-            let odds = odds_of(candidate);
-            let labels = self.divide(&[(candidate, &odds)]);
-            Ok((odds, measure(image, &labels, 1, candidate, &mut Whittle::new(settings))?))
+            // Many motions are tried, few borne out.
+            let labels = self.divide(&[(candidate, &odds_of(candidate, Detail::Coarse))]);
+            let Some(place) = Place::of(&labels, ALONE) else { return Ok(None) };
+            let blur = measure(image, &labels, ALONE, place, candidate.length_px, settings)?;
+            Ok(blur.filter(|blur| OF_TILES.allows(candidate, blur)).map(|blur| (blur, labels)))
         });
-        let regions: Vec<(Array2<f32>, Option<MovingRegion>)> = regions.into_iter().collect::<Result<_>>()?;
-        let mut found: Vec<(Candidate, MotionBlur, Option<Array2<f32>>)> = Vec::new();
-        for (candidate, (odds, region)) in candidates.into_iter().zip(regions) {
-            let Some(MovingRegion { blur, .. }) = region.filter(|region| OF_TILES.allows(&candidate, &region.blur))
-            else {
-                continue;
+        let regions: Vec<Option<(MotionBlur, Array2<u8>)>> = regions.into_iter().collect::<Result<_>>()?;
+        let mut found: Vec<BorneOut> = Vec::new();
+        for (candidate, region) in candidates.into_iter().zip(regions) {
+            let Some((blur, labels)) = region else { continue };
+            let is_certain = match blur.status {
+                Status::Ok => true,
+                Status::LowConfidence(Doubt::RivalBlur { .. }) => OF_REGIONS.allows(&candidate, &blur),
+                Status::LowConfidence(_) | Status::NoMotionBlur(_) => false,
             };
-            match found.iter_mut().find(|(other, ..)| other.is_near(&blur, SAME)) {
+            if let Some(other) = found.iter_mut().find(|other| other.candidate.is_near(&blur, SAME)) {
                 // Tiles that disagreed about one motion: it reaches whatever any of them does.
-                Some((other, _, odds)) => {
-                    other.seeds.extend(candidate.seeds);
-                    *odds = None;
-                }
-                None if candidate.is_near(&blur, SAME) => found.push((candidate, blur, Some(odds))),
-                None => {
-                    found.push((Candidate { length_px: blur.length_px, angle: blur.angle, ..candidate }, blur, None));
-                }
+                other.candidate.seeds.extend(candidate.seeds);
+                continue;
             }
+            let candidate = if candidate.is_near(&blur, SAME) {
+                candidate
+            } else {
+                Candidate { length_px: blur.length_px, angle: blur.angle, ..candidate }
+            };
+            found.push(BorneOut { candidate, blur, is_certain, labels, odds: Array2::default((0, 0)) });
         }
-        Ok(each(&found, |(candidate, blur, odds)| BorneOut {
-            candidate: candidate.clone(),
-            blur: *blur,
-            odds: odds.clone().unwrap_or_else(|| odds_of(candidate)),
-        }))
+        let odds = each(&found, |motion| odds_of(&motion.candidate, Detail::Fine));
+        for (motion, odds) in found.iter_mut().zip(odds) {
+            motion.odds = odds;
+        }
+        Ok(found)
     }
 
     /// Labels of the pixels, of which a candidate has its number from 1: those that are likely by the logarithms of its odds.
     fn divide(&self, motions: &[(&Candidate, &Array2<f32>)]) -> Array2<u8> {
         if motions.is_empty() {
-            return self.to_pixels(&Array2::zeros(self.grid.dim()));
+            return Array2::zeros(self.dim);
         }
         let still = Array2::zeros(self.grid.dim());
         let odds: Vec<Array2<f32>> =
@@ -222,7 +257,7 @@ impl Points {
         for number in 0..motions.len() {
             fill_holes(&mut labels, number as u8 + 1);
         }
-        self.to_pixels(&labels)
+        self.grid.to_pixels(&labels, self.dim)
     }
 
     /// Of the parts that have `label`, those stay that contain the centre of one of the candidate's tiles.
@@ -238,38 +273,71 @@ impl Points {
         });
     }
 
-    /// Labels of the pixels: each has that which most of the four points around it have, the nearer the more. Of what does not
-    /// move, textured parts stand still.
-    fn to_pixels(&self, points: &Array2<u8>) -> Array2<u8> {
-        Array2::from_shape_fn(self.dim, |pixel| match self.grid.label(points, pixel) {
-            0 if self.texture.is_textured(pixel) => STILL,
-            0 => UNKNOWN,
-            moving => moving,
-        })
+    /// Of what does not move, textured parts stand still; of the others one cannot tell.
+    fn tell_unknown(&self, labels: &mut Array2<u8>) {
+        for (pixel, label) in labels.indexed_iter_mut() {
+            if *label == STILL && !self.texture.is_textured(pixel) {
+                *label = UNKNOWN;
+            }
+        }
     }
 }
 
-/// The region of the pixels that have `label`; `None` when it is too small or too narrow to be measured.
+/// The part of `count` rows or columns that is measured of a region with its centre at `centre`.
+fn about(centre: f64, count: usize) -> Slice {
+    let length = MOST_MEASURED_PX.min(count);
+    let first = ((centre - 0.5 * length as f64).max(0.0) as usize).min(count - length);
+    Slice::from(first..first + length)
+}
+
+/// Where a region is.
+#[derive(Debug, Clone, Copy)]
+struct Place {
+    area_px: usize,
+    /// Column and row.
+    centroid: (f64, f64),
+}
+
+impl Place {
+    /// That of the pixels that have `label`; `None` when they are too few to be measured.
+    fn of(labels: &Array2<u8>, label: u8) -> Option<Self> {
+        let (mut area_px, mut x, mut y) = (0, 0.0, 0.0);
+        for ((row, column), _) in labels.indexed_iter().filter(|(_, other)| **other == label) {
+            (area_px, x, y) = (area_px + 1, x + column as f64, y + row as f64);
+        }
+        let is_enough = area_px >= LEAST_SQUARES * image::MIN_SIDE * image::MIN_SIDE;
+        is_enough.then(|| Self { area_px, centroid: (x / area_px as f64, y / area_px as f64) })
+    }
+}
+
+/// The blur of the pixels that have `label`, which lie at `place` and may be blurred by `length_px`; `None` when they are too
+/// narrow.
 fn measure(
     image: ArrayView2<'_, f32>,
     labels: &Array2<u8>,
     label: u8,
-    candidate: &Candidate,
-    whittle: &mut Whittle,
-) -> Result<Option<MovingRegion>> {
-    let (mut area_px, mut x, mut y) = (0, 0.0, 0.0);
-    for ((row, column), _) in labels.indexed_iter().filter(|(_, other)| **other == label) {
-        (area_px, x, y) = (area_px + 1, x + column as f64, y + row as f64);
-    }
-    if area_px < LEAST_SQUARES * image::MIN_SIDE * image::MIN_SIDE {
-        return Ok(None);
-    }
-    let weights = inside(labels.view(), label, candidate.length_px);
-    let blur = match whittle.estimate_weighted(image, weights.view()) {
-        Ok(blur) => blur,
-        Err(Error::RegionTooNarrow { .. } | Error::Constant { .. } | Error::NoWeight { .. }) => return Ok(None),
-        Err(error) => return Err(error),
+    Place { area_px, centroid }: Place,
+    length_px: f64,
+    settings: &Settings,
+) -> Result<Option<MotionBlur>> {
+    // Of a large region its middle counts, if it has one.
+    let (rows, columns) = labels.dim();
+    let middle = (about(centroid.1, rows), about(centroid.0, columns));
+    let of_middle = labels.slice_axis(Axis(0), middle.0);
+    let of_middle = of_middle.slice_axis(Axis(1), middle.1);
+    let is_there = of_middle.iter().filter(|&&other| other == label).count() >= area_px / 4;
+    let (labels, image) = if is_there {
+        let mut image = image;
+        image.slice_axis_inplace(Axis(0), middle.0);
+        image.slice_axis_inplace(Axis(1), middle.1);
+        (of_middle, image)
+    } else {
+        (labels.view(), image)
     };
-    let centroid = (x / area_px as f64, y / area_px as f64);
-    Ok(Some(MovingRegion { label, area_px, centroid, blur }))
+    let weights = inside(labels, label, length_px);
+    match Whittle::new(settings).estimate_weighted(image, weights.view()) {
+        Ok(blur) => Ok(Some(blur)),
+        Err(Error::RegionTooNarrow { .. } | Error::Constant { .. } | Error::NoWeight { .. }) => Ok(None),
+        Err(error) => Err(error),
+    }
 }

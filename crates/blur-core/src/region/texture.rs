@@ -1,9 +1,9 @@
 //! How much a picture varies around each point, direction by direction and scale by scale.
 
-use ndarray::{Array2, ArrayView2};
+use ndarray::{Array2, ArrayView2, ArrayViewMut1};
 
 use super::each::each;
-use super::gaussian::{derivative, filter, gaussian};
+use super::gaussian::{RowFilter, derivative, filter, gaussian};
 
 /// Pixels from one point of the grid to the next.
 pub(super) const STEP_PX: usize = 4;
@@ -45,25 +45,41 @@ pub(super) struct Texture {
 /// The texture at one scale.
 struct Scale {
     tensors: Vec<Tensor>,
-    gradient: (Array2<f32>, Array2<f32>),
+    gradient: Option<(Array2<f32>, Array2<f32>)>,
     /// Mean square of a derivative of white noise of variance 1.
     of_white: f64,
 }
 
 impl Scale {
-    fn new(image: &Array2<f32>, sigma_px: f64) -> Self {
+    /// With the derivatives themselves if they are to be kept.
+    fn new(image: &Array2<f32>, sigma_px: f64, kept: bool) -> Self {
         let (smooth, slope) = (gaussian(sigma_px), derivative(sigma_px));
         let energy = |taps: &[f32]| taps.iter().map(|&tap| f64::from(tap).powi(2)).sum::<f64>();
-        let (x, y) = (filter(image, &slope, &smooth), filter(image, &smooth, &slope));
-        let blocks = [blocks(&x, &x), blocks(&x, &y), blocks(&y, &y)];
+        let (mut x, mut y) = (RowFilter::new(image, &slope, &smooth), RowFilter::new(image, &smooth, &slope));
+        let blocks = (image.nrows() / STEP_PX, image.ncols() / STEP_PX);
+        let mut products = [(); 3].map(|()| Array2::zeros(blocks));
+        let mut gradient = kept.then(|| (Array2::zeros(image.dim()), Array2::zeros(image.dim())));
+        for row in 0..image.nrows() {
+            let (x, y) = (x.next_row(), y.next_row());
+            if let Some((all_x, all_y)) = &mut gradient {
+                all_x.row_mut(row).iter_mut().zip(x).for_each(|(to, &from)| *to = from);
+                all_y.row_mut(row).iter_mut().zip(y).for_each(|(to, &from)| *to = from);
+            }
+            // Pixels beyond the last whole block count for nothing.
+            if row / STEP_PX < blocks.0 {
+                for (products, (a, b)) in products.iter_mut().zip([(x, x), (x, y), (y, y)]) {
+                    add_to_blocks(products.row_mut(row / STEP_PX), a, b);
+                }
+            }
+        }
         let of_window = |&window: &f64| {
             let taps = window_taps(window.max(LEAST_WINDOW * sigma_px));
-            let [xx, xy, yy] = blocks.each_ref().map(|block| filter(block, &taps, &taps));
+            let [xx, xy, yy] = products.each_ref().map(|block| filter(block, &taps, &taps));
             Tensor { xx, xy, yy }
         };
         Self {
             tensors: WINDOWS_PX.iter().map(of_window).collect(),
-            gradient: (x, y),
+            gradient,
             of_white: energy(&smooth) * energy(&slope),
         }
     }
@@ -73,19 +89,18 @@ impl Texture {
     /// The texture of `image`, at least [`STEP_PX`] pixels each way.
     pub(super) fn new(image: ArrayView2<'_, f32>) -> Self {
         let image = image.to_owned();
-        let scales = each(&SCALES_PX, |&sigma| Scale::new(&image, sigma));
+        let numbered: Vec<(usize, f64)> = SCALES_PX.into_iter().enumerate().collect();
+        let scales = each(&numbered, |&(scale, sigma)| Scale::new(&image, sigma, CORRELATED.contains(&scale)));
         let of_white: Vec<f64> = scales.iter().map(|scale| scale.of_white).collect();
-        let (tensors, mut gradients): (Vec<_>, Vec<_>) =
+        let (tensors, gradients): (Vec<_>, Vec<_>) =
             scales.into_iter().map(|scale| (scale.tensors, scale.gradient)).unzip();
-        let mut scale = 0..;
-        gradients.retain(|_| scale.next().is_some_and(|scale| CORRELATED.contains(&scale)));
         let mut calm: Vec<f32> =
             tensors[0][1].xx.iter().zip(&tensors[0][1].yy).map(|(xx, yy)| 0.5 * (xx + yy)).collect();
         let place = (CALM * calm.len() as f64) as usize;
         let (_, &mut calm, _) = calm.select_nth_unstable_by(place, f32::total_cmp);
         let variance = (f64::from(calm) / of_white[0]).max(ROUNDING);
         let noise = std::array::from_fn(|scale| (of_white[scale] * variance) as f32);
-        Self { tensors, gradients, noise, noise_variance: variance }
+        Self { tensors, gradients: gradients.into_iter().flatten().collect(), noise, noise_variance: variance }
     }
 
     /// Rows and columns of the grid.
@@ -137,18 +152,23 @@ impl Texture {
         let (x, y) = &self.gradients[index];
         let scale = CORRELATED[index];
         let half = 0.5 * length_px as f32;
-        let slope = |column: f32, row: f32| cos * interpolate(x, column, row) + sin * interpolate(y, column, row);
         let (rows, columns) = self.dim();
         let (mut product, mut energy) = (Array2::zeros((rows, columns)), Array2::zeros((rows, columns)));
-        for ((row, column), product) in product.indexed_iter_mut() {
-            // Every second pixel each way: the derivatives are smooth.
-            let mut sums = (0.0, 0.0);
-            for (dr, dc) in [(0.5, 0.5), (0.5, 2.5), (2.5, 0.5), (2.5, 2.5)] {
-                let (r, c) = ((row * STEP_PX) as f32 + dr, (column * STEP_PX) as f32 + dc);
-                let (p, q) = (slope(c - half * cos, r - half * sin), slope(c + half * cos, r + half * sin));
-                sums = (sums.0 + 0.25 * p * q, sums.1 + 0.125 * (p * p + q * q));
+        let (mut begins, mut ends) = (vec![0.0; x.ncols()], vec![0.0; x.ncols()]);
+        // Every second pixel each way: the derivatives are smooth.
+        for pixel in (0..rows * STEP_PX).step_by(2) {
+            let middle = pixel as f32 + 0.5;
+            slopes_at(middle - half * sin, (x, y), (cos, sin), &mut begins);
+            slopes_at(middle + half * sin, (x, y), (cos, sin), &mut ends);
+            let (mut products, mut energies) = (product.row_mut(pixel / STEP_PX), energy.row_mut(pixel / STEP_PX));
+            for ((block, product), energy) in products.iter_mut().enumerate().zip(&mut energies) {
+                for column in [0.5, 2.5] {
+                    let middle = (block * STEP_PX) as f32 + column;
+                    let (p, q) = (interpolate(&begins, middle - half * cos), interpolate(&ends, middle + half * cos));
+                    *product += 0.25 * p * q;
+                    *energy += 0.125 * (p * p + q * q);
+                }
             }
-            (*product, energy[(row, column)]) = sums;
         }
         let of_window = |&window: &f64| {
             let taps = window_taps(window.max(LEAST_WINDOW * SCALES_PX[scale]));
@@ -172,25 +192,34 @@ fn window_taps(sigma_px: f64) -> Vec<f32> {
     gaussian((sigma_px * sigma_px - block).sqrt() / STEP_PX as f64)
 }
 
-/// Means of `a b` over the blocks of the grid; pixels beyond the last whole block count for nothing.
-fn blocks(a: &Array2<f32>, b: &Array2<f32>) -> Array2<f32> {
-    let (rows, columns) = a.dim();
-    let mut means = Array2::zeros((rows / STEP_PX, columns / STEP_PX));
-    let share = 1.0 / (STEP_PX * STEP_PX) as f32;
-    for (i, (a, b)) in a.rows().into_iter().zip(b.rows()).enumerate().take(rows / STEP_PX * STEP_PX) {
-        for (j, (a, b)) in a.iter().zip(b).enumerate().take(columns / STEP_PX * STEP_PX) {
-            means[(i / STEP_PX, j / STEP_PX)] += share * a * b;
+/// Adds the share of one row in the means of `a b` over the blocks that it goes through.
+fn add_to_blocks(means: ArrayViewMut1<'_, f32>, a: &[f32], b: &[f32]) {
+    const SHARE: f32 = 1.0 / (STEP_PX * STEP_PX) as f32;
+    let (a, b) = (a.as_chunks::<STEP_PX>().0, b.as_chunks::<STEP_PX>().0);
+    for ((mean, a), b) in means.into_iter().zip(a).zip(b) {
+        for (a, b) in a.iter().zip(b) {
+            *mean += SHARE * a * b;
         }
     }
-    means
 }
 
-fn interpolate(map: &Array2<f32>, column: f32, row: f32) -> f32 {
-    let (rows, columns) = map.dim();
-    let (column, row) = (column.clamp(0.0, (columns - 1) as f32), row.clamp(0.0, (rows - 1) as f32));
-    let (c, r) = ((column as usize).min(columns - 2), (row as usize).min(rows - 2));
-    let (fc, fr) = (column - c as f32, row - r as f32);
-    let above = map[(r, c)] + fc * (map[(r, c + 1)] - map[(r, c)]);
-    let below = map[(r + 1, c)] + fc * (map[(r + 1, c + 1)] - map[(r + 1, c)]);
-    above + fr * (below - above)
+/// The derivative along the direction `(cos, sin)` on the line at `row`, from those along rows and columns.
+fn slopes_at(row: f32, (x, y): (&Array2<f32>, &Array2<f32>), (cos, sin): (f32, f32), line: &mut [f32]) {
+    let (above, share) = place(row, x.nrows());
+    let rows = x.row(above).into_iter().zip(x.row(above + 1)).zip(y.row(above).into_iter().zip(y.row(above + 1)));
+    for (slope, ((x, below_x), (y, below_y))) in line.iter_mut().zip(rows) {
+        *slope = cos * (x + share * (below_x - x)) + sin * (y + share * (below_y - y));
+    }
+}
+
+fn interpolate(line: &[f32], at: f32) -> f32 {
+    let (left, share) = place(at, line.len());
+    line[left] + share * (line[left + 1] - line[left])
+}
+
+/// The last but one of `count` points that is not beyond `at`, and what share of a step that is beyond it.
+fn place(at: f32, count: usize) -> (usize, f32) {
+    let at = at.clamp(0.0, (count - 1) as f32);
+    let before = (at as usize).min(count - 2);
+    (before, at - before as f32)
 }

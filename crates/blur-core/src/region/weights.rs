@@ -2,7 +2,7 @@
 
 use std::f32::consts::FRAC_PI_2;
 
-use ndarray::{Array2, ArrayView2};
+use ndarray::{Array2, ArrayView1, ArrayView2, Axis, Slice};
 
 /// Share of the blur that is left out along the border: there the background shows through.
 const LEFT_OUT: f32 = 0.5;
@@ -12,15 +12,25 @@ const TAPER: f32 = 0.6;
 
 /// Weights from 0 at the border of the pixels that have `label`, and at that of the picture, to 1 well inside.
 pub(super) fn inside(labels: ArrayView2<'_, u8>, label: u8, length_px: f64) -> Array2<f32> {
-    let mut depth = depth(labels, label);
+    let mut weights = Array2::zeros(labels.dim());
+    let is_labelled = |line: ArrayView1<'_, u8>| line.iter().any(|&other| other == label);
+    let ends = |axis: Axis| {
+        let mut lines = labels.axis_iter(axis).map(is_labelled);
+        let first = lines.position(|is_labelled| is_labelled)?;
+        Some(first..first + 1 + lines.rposition(|is_labelled| is_labelled).map_or(0, |last| last + 1))
+    };
+    let (Some(rows), Some(columns)) = (ends(Axis(0)), ends(Axis(1))) else { return weights };
+    let (rows, columns) = (Slice::from(rows), Slice::from(columns));
+    let mut depth = depth(labels.slice_axis(Axis(0), rows).slice_axis(Axis(1), columns), label);
     let most = depth.iter().copied().fold(0.0, f32::max);
     let out = (LEFT_OUT * length_px as f32).min(MOST_LEFT_OUT * most);
     let rise = (TAPER * (most - out)).max(1.0);
     depth.mapv_inplace(|depth| (FRAC_PI_2 * ((depth - out) / rise).clamp(0.0, 1.0)).sin().powi(2));
-    depth
+    weights.slice_axis_mut(Axis(0), rows).slice_axis_mut(Axis(1), columns).assign(&depth);
+    weights
 }
 
-/// Distance in pixels of each pixel of the label to the nearest other one, or beyond the picture.
+/// Distance in pixels of each pixel of the label to the nearest other one, or to what is beyond `labels`.
 ///
 /// *Reference*: G. Borgefors, *Distance transformations in digital images*, Computer Vision, Graphics, and Image
 /// Processing 34 (1986) 344: steps of 3 and 4 thirds of a pixel, within 8 % of the Euclidean distance.
