@@ -122,10 +122,9 @@ pub(super) fn candidates(tiles: &[TileBlur]) -> Vec<Candidate> {
         if most < LEAST_VOTES {
             break;
         }
-        if !blurs
-            .iter()
-            .any(|(b, _)| near(&leader, b) && !matches!(b.status, Status::LowConfidence(Doubt::WeakEvidence { .. })))
-        {
+        let shows = |status: Status| !matches!(status, Status::LowConfidence(Doubt::WeakEvidence { .. }));
+        if !blurs.iter().any(|(b, _)| near(&leader, b) && shows(b.status)) {
+            // Hardly more likely than no blur in any tile.
             blurs.retain(|(blur, _)| !near(&leader, blur));
             continue;
         }
@@ -148,4 +147,60 @@ pub(super) fn candidates(tiles: &[TileBlur]) -> Vec<Candidate> {
         blurs.retain(|(blur, _)| !near(&leader, blur));
     }
     found
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::image::Region;
+
+    const WEAK: Status = Status::LowConfidence(Doubt::WeakEvidence { per_bin: 0.01, needed: 0.02 });
+
+    /// A tile blurred by `length_px` along `deg`.
+    fn tile(x: usize, (length_px, length_std_px): (f64, f64), deg: f64, status: Status) -> TileBlur {
+        let blur = MotionBlur {
+            angle: AxialAngle::from_deg(deg),
+            angle_std_deg: Some(0.5),
+            length_px,
+            length_std_px: Some(length_std_px),
+            correlation: Some(0.0),
+            direction_deg: None,
+            status,
+            evidence: None,
+            acceleration: None,
+        };
+        TileBlur { tile: Region { x, y: 0, width: 128, height: 128 }, blur: Some(blur) }
+    }
+
+    #[test]
+    fn a_tile_that_knows_nothing_of_its_length_does_not_join_others() {
+        let mut tiles: Vec<TileBlur> = (0..5).map(|i| tile(64 * i, (70.0, 1.0), 13.0, Status::Ok)).collect();
+        tiles.extend((5..9).map(|i| tile(64 * i, (20.0, 0.5), 100.0, Status::Ok)));
+        tiles.push(tile(640, (300.0, 240.0), 13.0, WEAK));
+        let found = candidates(&tiles);
+        let expected = [(70.0, 13.0, 5), (20.0, 100.0, 4)];
+        assert_eq!(found.len(), expected.len(), "{found:?}");
+        for (found, (length_px, deg, seeds)) in found.iter().zip(expected) {
+            assert!((found.length_px - length_px).abs() < 1e-6 && found.seeds.len() == seeds, "{found:?}");
+            assert!(found.angle.distance_deg(AxialAngle::from_deg(deg)) < 1e-6, "{found:?}");
+        }
+    }
+
+    #[test]
+    fn the_two_ends_of_the_scale_of_angles_are_one_direction() {
+        let angles = [179.5, 0.5, 179.5, 0.5];
+        let tiles: Vec<TileBlur> =
+            angles.iter().enumerate().map(|(i, &deg)| tile(64 * i, (30.0, 0.5), deg, Status::Ok)).collect();
+        let found = candidates(&tiles);
+        assert_eq!((found.len(), found[0].seeds.len()), (1, 4), "{found:?}");
+        assert!(found[0].angle.distance_deg(AxialAngle::from_deg(0.0)) < 1e-6, "{found:?}");
+    }
+
+    #[test]
+    fn what_is_hardly_likelier_than_no_blur_needs_a_better_tile() {
+        let mut tiles: Vec<TileBlur> = (0..5).map(|i| tile(64 * i, (8.0, 0.2), 90.0, WEAK)).collect();
+        assert!(candidates(&tiles).is_empty());
+        tiles.push(tile(320, (8.0, 0.2), 90.0, Status::Ok));
+        assert_eq!(candidates(&tiles)[0].seeds.len(), 6);
+    }
 }
