@@ -42,7 +42,7 @@ const FIRST_LINES: f64 = 5.0;
 const FIRST: Effort = Effort { steps: 8, least_gain: 0.5 };
 const ALTERNATIVE: Effort = Effort { steps: 4, least_gain: 0.5 };
 const DISK: Effort = Effort { steps: 10, least_gain: 0.5 };
-const FINAL: Effort = Effort { steps: 8, least_gain: 0.02 };
+const FINAL: Effort = Effort { steps: 20, least_gain: 1e-3 };
 /// Diameters of a disk to start from, relative to the line's length.
 const DISKS: [f64; 3] = [0.6, 0.87, 1.08];
 /// Evidence is a gain per bin of signal; this many more count, so that few bins do not decide by chance.
