@@ -137,12 +137,7 @@ impl Score {
             }
             self.products.add(&rows, &rows);
         }
-        let profiled = self.products.totals();
-        for i in 0..PARAMETERS {
-            for j in i..PARAMETERS {
-                information[(i, j)] -= profiled[i][j];
-            }
-        }
+        add_upper(&mut information, -1.0, self.products.totals());
         information.fill_lower_triangle_with_upper_triangle();
         information
     }
@@ -150,6 +145,15 @@ impl Score {
 
 /// Parameters, filled up to whole tiles of products.
 const COLUMNS: usize = PARAMETERS.next_multiple_of(TILE);
+
+/// Adds `factor` times the sums of the parameters to the upper triangle of `matrix`.
+fn add_upper(matrix: &mut Matrix, factor: f64, sums: &[[f64; COLUMNS]; COLUMNS]) {
+    for (i, sums) in sums[..PARAMETERS].iter().enumerate() {
+        for (j, &sum) in sums[..PARAMETERS].iter().enumerate().skip(i) {
+            matrix[(i, j)] += factor * sum;
+        }
+    }
+}
 
 /// From the frame of the cells to that of the motion.
 #[derive(Debug, Clone, Copy)]
@@ -282,12 +286,7 @@ impl Response {
             out.add_information(patches, &gradients, &pull, &info, &signal_share);
         }
         if with_information {
-            let sums = out.products.totals();
-            for i in 0..PARAMETERS {
-                for j in i..PARAMETERS {
-                    out.information[(i, j)] = sums[i][j];
-                }
-            }
+            add_upper(&mut out.information, 1.0, out.products.totals());
         }
         add_prior(kernel, point, with_information, out);
     }
