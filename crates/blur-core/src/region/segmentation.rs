@@ -92,7 +92,7 @@ pub struct MovingRegion {
     pub area_px: usize,
     /// Column and row of their centre.
     pub centroid: (f64, f64),
-    /// The blur of the whole region, measured well inside it.
+    /// The blur of the whole region, measured well inside it; of a large one its middle, 1024 pixels square.
     pub blur: MotionBlur,
 }
 
@@ -139,7 +139,8 @@ impl Segmentation {
 /// whatever its anisotropy; what derivatives of four scales have left along the motion and across it; and whether the two ends of
 /// the blur correlate negatively. Of all divisions one with short borders, best along edges, is taken that the points bear out; a
 /// region hangs together and contains the centre of a tile that moves as it does. Each is measured again as a whole, well inside
-/// its border: first for every motion by itself, which corrects the tiles; then for all that are left, which compete. A region
+/// its border: first for every motion by itself, which corrects the tiles; then, where regions have changed by more than a tenth,
+/// for all that are left, which compete. A region
 /// whose measurement is not that of its motion is given up: its pixels are unknown. Pixels without texture stand still only as
 /// far as one can tell, which is not at all: they are unknown too.
 ///
