@@ -1,6 +1,7 @@
 //! The exhaustive search for starting points: every direction and length against the log spectrum.
 
 use std::f64::consts::PI;
+use std::ops::Range;
 
 use super::periodogram::Periodogram;
 use crate::estimate::LengthRange;
@@ -59,11 +60,14 @@ pub(super) struct Band {
     pub(super) most_frequency: f64,
     /// Pool of each bin of the band.
     pool_of: Vec<(u32, u32)>,
+    /// Of each pool, ring by ring.
     u: Vec<f32>,
     v: Vec<f32>,
     count: Vec<f32>,
     ring: Vec<u16>,
-    harmonics: Vec<[f32; HARMONICS]>,
+    harmonics: [Vec<f32>; HARMONICS],
+    /// Pools of each ring.
+    pools: [Range<usize>; RINGS],
     inverse: nalgebra::SMatrix<f64, HARMONICS, HARMONICS>,
     lengths: Vec<f64>,
     /// Templates of each length and fill over the steps, and the squared norm of each ring of them when levelled.
@@ -97,7 +101,8 @@ impl Band {
             v: Vec::new(),
             count: Vec::new(),
             ring: Vec::new(),
-            harmonics: Vec::new(),
+            harmonics: std::array::from_fn(|_| Vec::new()),
+            pools: std::array::from_fn(|_| 0..0),
             inverse: nalgebra::SMatrix::zeros(),
             lengths,
             templates: Vec::new(),
@@ -131,16 +136,49 @@ impl Band {
             *u /= count;
             *v /= count;
         }
-        band.prepare();
+        band.sort();
+        band.expand();
+        band.lay_templates();
         Some(band)
     }
 
-    fn prepare(&mut self) {
+    /// Sorts the pools by their rings.
+    fn sort(&mut self) {
+        let ring_of = |(&u, &v): (&f32, &f32)| {
+            let ring = (f64::from(u).hypot(f64::from(v)) / self.most_frequency * RADIUS as f64) as usize;
+            ring.min(RINGS - 1)
+        };
+        let rings: Vec<usize> = self.u.iter().zip(&self.v).map(ring_of).collect();
+        let mut next = 0;
+        for (ring, pools) in self.pools.iter_mut().enumerate() {
+            let first = next;
+            next += rings.iter().filter(|&&other| other == ring).count();
+            *pools = first..next;
+        }
+        let mut places = self.pools.clone().map(|pools| pools.start);
+        let place_of: Vec<usize> = rings
+            .iter()
+            .map(|&ring| {
+                places[ring] += 1;
+                places[ring] - 1
+            })
+            .collect();
+        for values in [&mut self.u, &mut self.v, &mut self.count] {
+            let mut sorted = vec![0.0; values.len()];
+            values.iter().zip(&place_of).for_each(|(&value, &place)| sorted[place] = value);
+            *values = sorted;
+        }
+        for (_, pool) in &mut self.pool_of {
+            *pool = place_of[*pool as usize] as u32;
+        }
+        self.ring = (0_u16..).zip(&self.pools).flat_map(|(ring, pools)| pools.clone().map(move |_| ring)).collect();
+    }
+
+    /// Computes the harmonics of the pools.
+    fn expand(&mut self) {
         let mut gram = nalgebra::SMatrix::<f64, HARMONICS, HARMONICS>::identity() * 1e-9;
         for ((&u, &v), &count) in self.u.iter().zip(&self.v).zip(&self.count) {
-            let radius = (f64::from(u).powi(2) + f64::from(v).powi(2)).sqrt();
-            let ring = (radius / self.most_frequency * RADIUS as f64) as usize;
-            self.ring.push(ring.min(RINGS - 1) as u16);
+            let radius = f64::from(u).hypot(f64::from(v));
             let x = (radius / self.most_frequency).ln() + 1.0;
             let (sin, cos) = (-f64::from(v) / radius, f64::from(u) / radius);
             let (c2, s2) = (cos * cos - sin * sin, 2.0 * cos * sin);
@@ -151,32 +189,38 @@ impl Band {
                     gram[(i, j)] += f64::from(count) * a * b;
                 }
             }
-            self.harmonics.push(h.map(|h| h as f32));
+            self.harmonics.iter_mut().zip(h).for_each(|(column, h)| column.push(h as f32));
         }
         self.inverse = gram.try_inverse().unwrap_or_else(nalgebra::SMatrix::zeros);
+    }
+
+    /// Computes the templates and their norms.
+    fn lay_templates(&mut self) {
         self.values = vec![0.0; self.u.len()];
         self.gains = vec![0.0; ANGLES * self.lengths.len()];
         self.weighted_norms = vec![0.0; FILLS.len() * self.lengths.len()];
         // The norm hardly depends on the direction, because what is levelled away has none; any direction will do.
         let (sin, cos) = (0.4_f64.sin() as f32, 0.4_f64.cos() as f32);
         let per_step = self.per_step();
+        let step_of = |(&u, &v): (&f32, &f32)| ((u * cos - v * sin).abs() * per_step) as usize % STEPS;
+        let steps: Vec<usize> = self.u.iter().zip(&self.v).map(step_of).collect();
         for i in 0..self.lengths.len() {
             for fill in FILLS {
                 let length = self.lengths[i];
-                let template = std::array::from_fn(|k| {
+                let template: [f32; STEPS] = std::array::from_fn(|k| {
                     let s = (k as f64 + 0.5) / f64::from(per_step);
                     (sinc(length * s).powi(2) + fill).ln() as f32
                 });
-                for ((value, &u), &v) in self.values.iter_mut().zip(&self.u).zip(&self.v) {
-                    *value = template[((u * cos - v * sin).abs() * per_step) as usize % STEPS];
+                for (value, &step) in self.values.iter_mut().zip(&steps) {
+                    *value = template[step];
                 }
                 self.level();
-                let mut norm = [0.0; RINGS];
-                for ((&value, &count), &ring) in self.values.iter().zip(&self.count).zip(&self.ring) {
-                    norm[usize::from(ring)] += count * value * value;
-                }
+                let norm_of = |pools: &Range<usize>| {
+                    let values = &self.values[pools.clone()];
+                    dot3(values, values, &self.count[pools.clone()])
+                };
+                self.norms.push(self.pools.each_ref().map(norm_of));
                 self.templates.push(template);
-                self.norms.push(norm);
             }
         }
     }
@@ -193,28 +237,20 @@ impl Band {
 
     /// Takes ring means and angular harmonics out of the values.
     fn level(&mut self) {
-        for ring in &mut self.rings {
-            (ring.sum, ring.count) = (0.0, 0.0);
-        }
-        for ((&value, &ring), &count) in self.values.iter().zip(&self.ring).zip(&self.count) {
-            let ring = &mut self.rings[usize::from(ring)];
-            ring.sum += value * count;
-            ring.count += count;
-        }
         let mut moments = nalgebra::SVector::<f64, HARMONICS>::zeros();
-        for (((value, &ring), &count), h) in
-            self.values.iter_mut().zip(&self.ring).zip(&self.count).zip(&self.harmonics)
-        {
-            let ring = &self.rings[usize::from(ring)];
-            *value -= ring.sum / ring.count;
-            for (moment, &h) in moments.iter_mut().zip(h) {
-                *moment += f64::from(*value * count * h);
+        for (ring, pools) in self.rings.iter_mut().zip(&self.pools) {
+            let (values, count) = (&mut self.values[pools.clone()], &self.count[pools.clone()]);
+            (ring.sum, ring.count) = (dot(values, count), count.iter().sum());
+            let mean = ring.sum / ring.count;
+            values.iter_mut().for_each(|value| *value -= mean);
+            for (moment, harmonic) in moments.iter_mut().zip(&self.harmonics) {
+                *moment += f64::from(dot3(values, count, &harmonic[pools.clone()]));
             }
         }
         let amplitudes = self.inverse * moments;
-        let amplitudes: [f32; HARMONICS] = std::array::from_fn(|k| amplitudes[k] as f32);
-        for (value, h) in self.values.iter_mut().zip(&self.harmonics) {
-            *value -= h.iter().zip(&amplitudes).map(|(h, a)| h * a).sum::<f32>();
+        for (harmonic, &amplitude) in self.harmonics.iter().zip(&amplitudes) {
+            let amplitude = amplitude as f32;
+            self.values.iter_mut().zip(harmonic).for_each(|(value, &h)| *value -= h * amplitude);
         }
     }
 
@@ -275,13 +311,7 @@ impl Band {
             for (gain, (templates, norms)) in gains.iter_mut().zip(pairs) {
                 *gain = 0.0;
                 for (template, &norm) in templates.iter().zip(norms) {
-                    let mut sums = [0.0_f32; 8];
-                    for (a, b) in line.chunks_exact(8).zip(template.chunks_exact(8)) {
-                        for ((sum, &a), &b) in sums.iter_mut().zip(a).zip(b) {
-                            *sum += a * b;
-                        }
-                    }
-                    let match_ = sums.iter().sum::<f32>().max(0.0);
+                    let match_ = dot(&line, template).max(0.0);
                     *gain = gain.max(match_ * match_ / (2.0 * norm).max(f32::MIN_POSITIVE));
                 }
             }
@@ -317,6 +347,33 @@ impl Band {
             }
         }
     }
+}
+
+/// Sums that run side by side.
+const SUMS: usize = 8;
+
+/// Sum of the products of two columns of one length.
+fn dot(a: &[f32], b: &[f32]) -> f32 {
+    let ((a, a_rest), (b, b_rest)) = (a.as_chunks::<SUMS>(), b.as_chunks::<SUMS>());
+    let mut sums = [0.0_f32; SUMS];
+    for (a, b) in a.iter().zip(b) {
+        for ((sum, &a), &b) in sums.iter_mut().zip(a).zip(b) {
+            *sum += a * b;
+        }
+    }
+    sums.iter().sum::<f32>() + a_rest.iter().zip(b_rest).map(|(&a, &b)| a * b).sum::<f32>()
+}
+
+/// Sum of the products of three columns of one length.
+fn dot3(a: &[f32], b: &[f32], c: &[f32]) -> f32 {
+    let ((a, a_rest), (b, b_rest), (c, c_rest)) = (a.as_chunks::<SUMS>(), b.as_chunks::<SUMS>(), c.as_chunks::<SUMS>());
+    let mut sums = [0.0_f32; SUMS];
+    for ((a, b), c) in a.iter().zip(b).zip(c) {
+        for (((sum, &a), &b), &c) in sums.iter_mut().zip(a).zip(b).zip(c) {
+            *sum += a * b * c;
+        }
+    }
+    sums.iter().sum::<f32>() + a_rest.iter().zip(b_rest).zip(c_rest).map(|((&a, &b), &c)| a * b * c).sum::<f32>()
 }
 
 fn lengths(most_frequency: f64, range: LengthRange) -> Vec<f64> {
