@@ -59,7 +59,7 @@ impl Periodogram {
     pub(super) fn weighted(rows: usize, columns: usize, extent_px: f64) -> Self {
         let wider = (rows.max(columns) as f64 / extent_px).clamp(1.0, MOST_LOBE);
         let lobe_bins = (LOBE_BINS * wider).ceil() as usize;
-        Self::under(Overlay::weights(rows, columns), (rows, columns), extent_px, lobe_bins)
+        Self::under(Overlay::weights(rows, columns, extent_px), (rows, columns), extent_px, lobe_bins)
     }
 
     fn under(overlay: Overlay, (rows, columns): (usize, usize), side: f64, lobe_bins: usize) -> Self {
