@@ -3,6 +3,7 @@
 use nalgebra::{Cholesky, Const};
 
 use super::cells::{Cells, OCTAVES, octave_of, patch_of};
+use super::descent::Descent;
 use super::likelihood::{LEAST_POWER, Matrix, Rotation, Score, Vector};
 use super::periodogram::{CellSums, FALL, Periodogram};
 use super::point::{
@@ -30,6 +31,8 @@ pub(super) struct Effort {
     pub(super) steps: usize,
     /// A step that gains less log-likelihood is the last.
     pub(super) least_gain: f64,
+    /// Whether the information at the end counts, and not the likelihood alone.
+    pub(super) informs: bool,
 }
 
 /// The end of a search for the maximum.
@@ -105,10 +108,10 @@ impl Fit {
         }
     }
 
-    /// Fisher scoring with Levenberg's and Marquardt's damping from `point` to the maximum, with limited effort.
+    /// From `point` to the maximum by Fisher scoring, with limited effort.
     ///
-    /// The expected information hardly changes on the way: it is computed at the start, anew when a step falls short,
-    /// and at the end.
+    /// The expected information is computed at the start, anew after long steps, and at the end if it counts. In between the
+    /// gradients tell how the likelihood curves: where the model does not fit, it may curve more than expected.
     pub(super) fn maximise(&mut self, cells: &Cells, kernel: Kernel, point: &mut Point, effort: Effort) -> Maximum {
         self.climb(cells, kernel, point, effort, &[])
     }
@@ -119,58 +122,50 @@ impl Fit {
     }
 
     fn climb(&mut self, cells: &Cells, kernel: Kernel, point: &mut Point, effort: Effort, held: &[usize]) -> Maximum {
-        let Effort { steps, least_gain } = effort;
+        let Effort { steps, least_gain, informs } = effort;
         self.tabulate(kernel, point);
         self.response.score(cells, kernel, point, true, &mut self.score);
-        let mut damping = 1e-3;
-        let mut fresh = true;
-        let mut reduced = self.score.reduced_information();
+        let mut descent = Descent::new(self.score.reduced_information(), held);
         for _ in 0..steps {
-            let mut gradient = self.score.reduced_gradient();
-            let mut damped = reduced;
-            for i in 0..PARAMETERS {
-                damped[(i, i)] *= 1.0 + damping;
-            }
-            for &i in held {
-                gradient[i] = 0.0;
-                damped.row_mut(i).fill(0.0);
-                damped.column_mut(i).fill(0.0);
-                damped[(i, i)] = 1.0;
-            }
-            let Some(factor) = Cholesky::new(damped) else { break };
-            let step = factor.solve(&gradient);
+            let gradient = descent.free(self.score.reduced_gradient());
+            let Some(step) = descent.step(&gradient) else { break };
             let expected = 0.5 * step.dot(&gradient);
             self.candidate.copy(point);
-            advance(&mut self.candidate, &step, &self.score);
+            advance(&mut self.candidate, &step, &self.score, descent.share);
             self.response.tabulate(kernel, &self.candidate);
             self.response.score(cells, kernel, &self.candidate, false, &mut self.trial);
             let gained = self.score.loss - self.trial.loss;
+            // Long steps lead from one curvature to another.
+            let is_near = expected <= LARGE;
+            if is_near {
+                let change = descent.free(self.score.reduced_gradient_of(&self.trial)) - gradient;
+                descent.learn(&descent.free(self.candidate.parameters() - point.parameters()), &change);
+            }
             if gained > 0.0 {
                 point.copy(&self.candidate);
                 self.score.follow(&self.trial);
-                damping = (damping / 5.0_f64).max(1e-6);
-                if gained < least_gain && fresh {
+                descent.accept();
+                if gained.max(expected) < least_gain {
                     break;
                 }
-                // A step that falls far short of what was expected was taken with stale information.
-                if gained < least_gain || gained < SHORT * expected || expected > LARGE {
+                if !is_near {
                     self.response.score(cells, kernel, point, true, &mut self.score);
-                    reduced = self.score.reduced_information();
-                    fresh = true;
-                } else {
-                    fresh = false;
-                }
-            } else if fresh {
-                damping *= 10.0;
-                if damping > MOST_DAMPING || expected < least_gain {
-                    break;
+                    descent.renew(self.score.reduced_information());
                 }
             } else {
-                self.tabulate(kernel, point);
-                self.response.score(cells, kernel, point, true, &mut self.score);
-                reduced = self.score.reduced_information();
-                fresh = true;
+                if expected < least_gain || descent.is_lost() {
+                    break;
+                }
+                if is_near {
+                    descent.shorten(gained, 2.0 * expected);
+                } else {
+                    descent.damp();
+                }
             }
+        }
+        if informs && !descent.is_fresh {
+            self.tabulate(kernel, point);
+            self.response.score(cells, kernel, point, true, &mut self.score);
         }
         self.maximum()
     }
@@ -249,26 +244,24 @@ impl Fit {
     }
 }
 
-/// The information is stale after a step that gains less than this share of what was expected, or more than this.
-const SHORT: f64 = 0.7;
+/// A step that promises more than this is a long one: the information is computed anew after it.
 const LARGE: f64 = 5.0;
-/// No step is shorter than this damping makes it.
-const MOST_DAMPING: f64 = 1e3;
 
-/// Moves `point` against `step`, within limits that keep the quadratic model honest.
-fn advance(point: &mut Point, step: &Vector, score: &Score) {
-    point.length *= (-step[LENGTH].clamp(-0.15, 0.15)).exp();
-    point.angle -= step[ANGLE].clamp(-0.08, 0.08);
-    point.log_noise -= step[NOISE].clamp(-1.0, 1.0);
-    point.log_share = (point.log_share - step[SHARE].clamp(-1.0, 1.0)).clamp(-20.0, 3.0);
-    point.ratio2 = (point.ratio2 - step[RATIO2].clamp(-0.2, 0.2)).clamp(0.0, 1.0);
+/// Moves `point` against a `share` of `step`, and the patches with it, within limits that keep the quadratic model honest.
+fn advance(point: &mut Point, step: &Vector, score: &Score, share: f64) {
+    let within = |i: usize, limit: f64| (share * step[i]).clamp(-limit, limit);
+    point.length *= (-within(LENGTH, 0.15)).exp();
+    point.angle -= within(ANGLE, 0.08);
+    point.log_noise -= within(NOISE, 1.0);
+    point.log_share = (point.log_share - within(SHARE, 1.0)).clamp(-20.0, 3.0);
+    point.ratio2 = (point.ratio2 - within(RATIO2, 0.2)).clamp(0.0, 1.0);
     for (k, amplitude) in point.scene.iter_mut().enumerate() {
-        *amplitude -= step[SCENE + k];
+        *amplitude -= share * step[SCENE + k];
     }
     for (patch, deviation) in point.patches.iter_mut().enumerate() {
         let followed: f64 = score.patch_cross[patch].iter().zip(step.iter()).map(|(&a, b)| f64::from(a) * b).sum();
         let own = (score.patch_gradient[patch] - followed) / score.patch_information[patch];
-        *deviation -= own.clamp(-1.0, 1.0);
+        *deviation -= (share * own).clamp(-1.0, 1.0);
     }
 }
 
@@ -280,7 +273,7 @@ mod tests {
     use crate::image::Window;
 
     const KERNELS: [Kernel; 4] = [Kernel::None, Kernel::Line, Kernel::AcceleratedLine, Kernel::Disk];
-    const EFFORT: Effort = Effort { steps: 40, least_gain: 1e-3 };
+    const EFFORT: Effort = Effort { steps: 40, least_gain: 1e-3, informs: true };
 
     /// Everything that a fit to one spectrum needs.
     struct Bench {

@@ -110,8 +110,13 @@ impl Score {
 
     /// Gradient of the parameters with the patches profiled out.
     pub(super) fn reduced_gradient(&self) -> Vector {
-        let mut gradient = self.gradient;
-        for ((cross, &own), &pull) in self.patch_cross.iter().zip(&self.patch_information).zip(&self.patch_gradient) {
+        self.reduced_gradient_of(self)
+    }
+
+    /// That of `other`, with the information from here.
+    pub(super) fn reduced_gradient_of(&self, other: &Self) -> Vector {
+        let mut gradient = other.gradient;
+        for ((cross, &own), &pull) in self.patch_cross.iter().zip(&self.patch_information).zip(&other.patch_gradient) {
             let pull = pull / own;
             for (out, &cross) in gradient.iter_mut().zip(cross) {
                 *out -= f64::from(cross) * pull;

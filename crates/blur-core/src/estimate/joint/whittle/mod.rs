@@ -2,6 +2,7 @@
 
 mod along;
 mod cells;
+mod descent;
 mod diagnosis;
 mod fit;
 mod likelihood;

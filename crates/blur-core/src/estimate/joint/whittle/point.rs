@@ -1,6 +1,7 @@
 //! The parameters of the likelihood.
 
 use super::cells::{OCTAVES, PATCHES};
+use super::likelihood::Vector;
 use super::scene::{self, TERMS};
 
 /// Parameters of the fit, in this order: `ln L`, the angle in radians, `ln` of the noise power, `ln` of the incoherent
@@ -84,6 +85,22 @@ impl Point {
         self.scene = scene::MEAN;
         self.patches.fill(0.0);
         self.roughness = [ROUGHNESS; OCTAVES];
+    }
+
+    /// The parameters in their order.
+    pub(super) fn parameters(&self) -> Vector {
+        let mut parameters = Vector::zeros();
+        for (index, value) in [
+            (LENGTH, self.length.ln()),
+            (ANGLE, self.angle),
+            (NOISE, self.log_noise),
+            (SHARE, self.log_share),
+            (RATIO2, self.ratio2),
+        ] {
+            parameters[index] = value;
+        }
+        parameters.rows_mut(SCENE, TERMS).copy_from_slice(&self.scene);
+        parameters
     }
 
     /// Mean scatter of the patches in the octaves up to `most_frequency`.

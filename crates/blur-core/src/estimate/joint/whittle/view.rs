@@ -39,10 +39,10 @@ const CELLS_PER_LINE: f64 = 14.0;
 /// Dark lines that a first fit sees.
 const FIRST_LINES: f64 = 5.0;
 /// A first fit, the fit without blur and those with a disk that it is held against, and the fit that is reported.
-const FIRST: Effort = Effort { steps: 8, least_gain: 0.5 };
-const ALTERNATIVE: Effort = Effort { steps: 4, least_gain: 0.5 };
-const DISK: Effort = Effort { steps: 10, least_gain: 0.5 };
-const FINAL: Effort = Effort { steps: 20, least_gain: 1e-3 };
+const FIRST: Effort = Effort { steps: 8, least_gain: 0.5, informs: true };
+const ALTERNATIVE: Effort = Effort { steps: 4, least_gain: 0.5, informs: false };
+const DISK: Effort = Effort { steps: 10, least_gain: 0.5, informs: false };
+const FINAL: Effort = Effort { steps: 20, least_gain: 1e-3, informs: true };
 /// Diameters of a disk to start from, relative to the line's length.
 const DISKS: [f64; 3] = [0.6, 0.87, 1.08];
 /// Evidence is a gain per bin of signal; this many more count, so that few bins do not decide by chance.

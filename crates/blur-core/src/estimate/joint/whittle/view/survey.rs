@@ -6,7 +6,7 @@ use crate::estimate::joint::whittle::point::Kernel;
 use crate::spectrum::{PowerBin, PowerSpectrum};
 
 /// The parameters besides length and angle follow from a neighbour where they were best: a few steps are enough.
-const FOLLOW: Effort = Effort { steps: 6, least_gain: 0.02 };
+const FOLLOW: Effort = Effort { steps: 6, least_gain: 0.02, informs: true };
 
 impl View {
     /// Fits everything anew from a length and an angle up to `most_frequency`; the best point is the first one.
