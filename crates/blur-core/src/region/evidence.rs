@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use nalgebra::{SMatrix, SVector};
+use nalgebra::{Cholesky, Const, SMatrix, SVector};
 use ndarray::{Array2, ArrayView2};
 
 use crate::estimate::AxialAngle;
@@ -28,8 +28,10 @@ const LEAST_NOISE: f64 = 2.0;
 
 /// Terms of the logarithm of a scene's power.
 const TERMS: usize = 13;
-/// What is multiplied with each other, filled up to whole tiles: what pulls at the level, then the terms.
-const COLUMNS: usize = (1 + TERMS).next_multiple_of(TILE);
+/// The same, filled up to whole tiles of products.
+const COLUMNS: usize = TERMS.next_multiple_of(TILE);
+/// Largest logarithm of a scene's power that counts.
+const MOST_LOG: f32 = 50.0;
 /// Means and standard deviations of the terms before anything is seen; the level is free. With `l = ln 8 f` they are 1, `-l`,
 /// then cosine and sine of twice and of four times the direction, `l^2`, `l` times those of twice, of six times the direction,
 /// `l` times those of four times. A scene may be quite anisotropic before the evidence is that it moves.
@@ -40,6 +42,8 @@ const STD: [f64; TERMS] = [100.0, 0.6, 0.5, 0.5, 0.4, 0.4, 0.3, 0.3, 0.3, 0.3, 0
 const STEPS: usize = 8;
 const LONGEST_STEP: f64 = 1.5;
 const LEAST_GAIN: f64 = 0.05;
+/// A step that gains less is taken with the curvature of another point, or of the one next to it.
+const SMALL_GAIN: f64 = 5.0;
 
 /// Cells of the spectrum of a small window for one motion.
 #[derive(Debug)]
@@ -56,7 +60,7 @@ pub(super) struct Cells {
 /// Cells side by side; the last group is filled up with some that hold no bins.
 #[derive(Debug, Clone)]
 struct Group {
-    /// Column `1 + i` is term `i`.
+    /// Column by column.
     terms: Columns<COLUMNS>,
     /// Power transfer of the motion, seen through the window.
     transfer: [f32; WIDTH],
@@ -70,8 +74,17 @@ pub(super) struct Workspace {
     /// Of each cell, as many as the groups hold.
     powers: Vec<f32>,
     products: Products<COLUMNS>,
-    /// Amplitudes of the last point's scene if it stood still, and if it moved: a neighbour is much like it.
-    last: [[f64; TERMS]; 2],
+    /// The last point's scene if it stood still, and if it moved: a neighbour is much like it.
+    last: [Start; 2],
+}
+
+/// Where a fit starts from, and where it ends.
+#[derive(Debug)]
+struct Start {
+    /// Amplitudes of the scene.
+    terms: [f64; TERMS],
+    /// Curvature there or nearby.
+    curvature: Option<Cholesky<f64, Const<TERMS>>>,
 }
 
 impl Cells {
@@ -118,7 +131,7 @@ impl Cells {
         let mut groups = vec![empty; sums.len().div_ceil(WIDTH)];
         for (cell, (terms, transfer, power, bins)) in sums.into_iter().enumerate() {
             let (group, lane) = (&mut groups[cell / WIDTH], cell % WIDTH);
-            for (column, term) in group.terms[1..].iter_mut().zip(terms) {
+            for (column, term) in group.terms.iter_mut().zip(terms) {
                 column[lane] = (term / bins) as f32;
             }
             group.transfer[lane] = (((transfer / power).max(0.0) + INCOHERENT) / (1.0 + INCOHERENT)) as f32;
@@ -129,7 +142,12 @@ impl Cells {
 
     pub(super) fn workspace(&self) -> Workspace {
         let dft = Dft2::new(self.side, self.side);
-        Workspace { dft, powers: vec![0.0; WIDTH * self.groups.len()], products: Products::new(), last: [MEAN; 2] }
+        Workspace {
+            dft,
+            powers: vec![0.0; WIDTH * self.groups.len()],
+            products: Products::new(),
+            last: [Start::new(), Start::new()],
+        }
     }
 
     /// Logarithm of the ratio of the likelihoods with the motion and without, around the pixel `(row, column)`, or as near to it
@@ -185,83 +203,117 @@ impl Cells {
     }
 
     /// Logarithm of the largest posterior density of a scene whose power is `transfer` times a log-linear model, over noise of
-    /// power 1. Starts from the amplitudes `terms`, but for the level, and leaves there those found.
+    /// power 1. Starts from `at`, but for the level, and leaves there what was found.
     fn fit(
         &self,
         products: &mut Products<COLUMNS>,
         powers: &[f32],
         transfer: impl Fn(&Group) -> &[f32; WIDTH],
-        terms: &mut [f64; TERMS],
+        at: &mut Start,
     ) -> f64 {
-        terms[0] = 0.0;
-        terms[0] = self.level(powers, &transfer, terms);
-        let mut best = f64::NEG_INFINITY;
+        at.terms[0] = 0.0;
+        at.terms[0] = self.level(powers, &transfer, &at.terms);
+        let (mut best, mut last) = (f64::NEG_INFINITY, SVector::zeros());
         for _ in 0..STEPS {
-            let (likelihood, mut slope, mut curvature) = self.expand(products, terms, powers, &transfer);
-            let mut posterior = likelihood;
-            for (term, (mean, std)) in MEAN.into_iter().zip(STD).enumerate() {
-                let (off, weight) = (terms[term] - mean, 1.0 / (std * std));
-                posterior -= 0.5 * weight * off * off;
-                slope[term] -= weight * off;
-                curvature[(term, term)] += weight;
+            let (posterior, slope) = self.slope(&at.terms, powers, &transfer);
+            if posterior < best {
+                // Too far.
+                last *= 0.5;
+                at.terms.iter_mut().zip(&last).for_each(|(term, step)| *term -= step);
+                continue;
             }
-            best = posterior.max(best);
-            let Some(root) = curvature.cholesky() else { break };
-            let step = root.solve(&slope);
+            // Where there is no scene above the noise its level falls without end.
+            if posterior - best < LEAST_GAIN {
+                return posterior;
+            }
+            best = posterior;
+            let mut step = at.curvature.as_ref().map(|root| root.solve(&slope));
+            if step.is_none_or(|step| 0.5 * slope.dot(&step) > SMALL_GAIN) {
+                at.curvature = self.curvature(products, &at.terms, powers, &transfer).cholesky();
+                step = at.curvature.as_ref().map(|root| root.solve(&slope));
+            }
+            let Some(step) = step else { break };
             let gain = 0.5 * slope.dot(&step);
             if gain < LEAST_GAIN {
-                return best.max(posterior + gain);
+                return posterior + gain;
             }
-            let share = (LONGEST_STEP / step.amax()).min(1.0);
-            terms.iter_mut().zip(step.iter()).for_each(|(term, step)| *term += share * step);
+            last = step * (LONGEST_STEP / step.amax()).min(1.0);
+            at.terms.iter_mut().zip(&last).for_each(|(term, step)| *term += step);
         }
         // Nowhere to start from.
-        *terms = MEAN;
+        *at = Start::new();
         best
     }
 
-    /// The level at which a scene of this shape has the power that was measured.
+    /// The level at which a scene of this shape has the power that was measured above the noise, or somewhat more: from below,
+    /// steps would be long ones.
     fn level(&self, powers: &[f32], transfer: impl Fn(&Group) -> &[f32; WIDTH], shape: &[f64; TERMS]) -> f64 {
         let (mut measured, mut expected, mut bins) = (0.0, 0.0, 0.0);
         for (group, powers) in self.groups.iter().zip(powers.as_chunks::<WIDTH>().0) {
-            let shape = group.logarithms(shape);
-            let transfer = transfer(group);
+            let scene = group.scene(shape, transfer(group));
             for lane in 0..WIDTH {
                 let count = group.bins[lane];
-                measured += f64::from(count * (powers[lane] - 1.0));
-                expected += f64::from(count * exp(shape[lane]) * transfer[lane]);
+                measured += f64::from(count * (powers[lane] - 1.0).max(0.0));
+                expected += f64::from(count * scene[lane]);
                 bins += f64::from(count);
             }
         }
         (measured.max(1e-3 * bins) / expected).ln()
     }
 
-    /// Logarithm of the likelihood of exponentially distributed powers, its slope and its expected curvature.
-    fn expand(
+    /// Logarithm of the posterior density of exponentially distributed powers, and its slope.
+    fn slope(
+        &self,
+        terms: &[f64; TERMS],
+        powers: &[f32],
+        transfer: impl Fn(&Group) -> &[f32; WIDTH],
+    ) -> (f64, SVector<f64, TERMS>) {
+        let mut likelihood = 0.0;
+        let mut slope = [0.0; TERMS];
+        for (group, powers) in self.groups.iter().zip(powers.as_chunks::<WIDTH>().0) {
+            let scene = group.scene(terms, transfer(group));
+            let (mut pull, mut losses) = ([0.0_f32; WIDTH], [0.0_f32; WIDTH]);
+            for lane in 0..WIDTH {
+                let (scene, bins) = (scene[lane], group.bins[lane]);
+                let inverse = 1.0 / (scene + 1.0);
+                let ratio = powers[lane] * inverse;
+                losses[lane] = bins * (ln(scene + 1.0) + ratio);
+                pull[lane] = bins * scene * inverse * (ratio - 1.0);
+            }
+            likelihood -= f64::from(losses.iter().sum::<f32>());
+            for (slope, terms) in slope.iter_mut().zip(&group.terms) {
+                *slope += f64::from(dot(&pull, terms));
+            }
+        }
+        let mut posterior = self.tempering * likelihood;
+        for (term, slope) in slope.iter_mut().enumerate() {
+            let (off, weight) = (terms[term] - MEAN[term], 1.0 / (STD[term] * STD[term]));
+            posterior -= 0.5 * weight * off * off;
+            *slope = self.tempering * *slope - weight * off;
+        }
+        (posterior, slope.into())
+    }
+
+    /// The curvature of that density: that expected, and more in cells that have more power than expected, where a step would
+    /// lead too far.
+    fn curvature(
         &self,
         products: &mut Products<COLUMNS>,
         terms: &[f64; TERMS],
         powers: &[f32],
         transfer: impl Fn(&Group) -> &[f32; WIDTH],
-    ) -> (f64, SVector<f64, TERMS>, SMatrix<f64, TERMS, TERMS>) {
+    ) -> SMatrix<f64, TERMS, TERMS> {
         products.clear();
-        let mut likelihood = 0.0;
         let mut weighted = [[0.0_f32; WIDTH]; COLUMNS];
         for (group, powers) in self.groups.iter().zip(powers.as_chunks::<WIDTH>().0) {
-            let logarithms = group.logarithms(terms);
-            let transfer = transfer(group);
-            let (mut weights, mut losses) = ([0.0_f32; WIDTH], [0.0_f32; WIDTH]);
+            let scene = group.scene(terms, transfer(group));
+            let mut weights = [0.0_f32; WIDTH];
             for lane in 0..WIDTH {
-                let bins = group.bins[lane];
-                let scene = exp(logarithms[lane].min(50.0)) * transfer[lane];
-                let inverse = 1.0 / (scene + 1.0);
-                let (share, ratio) = (scene * inverse, powers[lane] * inverse);
-                losses[lane] = bins * (ln(scene + 1.0) + ratio);
-                weights[lane] = bins * share * share;
-                weighted[0][lane] = bins * share * (ratio - 1.0);
+                let inverse = 1.0 / (scene[lane] + 1.0);
+                let share = scene[lane] * inverse;
+                weights[lane] = group.bins[lane] * share * share * (powers[lane] * inverse).max(1.0);
             }
-            likelihood -= f64::from(losses.iter().sum::<f32>());
-            for (weighted, terms) in weighted[1..].iter_mut().zip(&group.terms[1..]) {
+            for (weighted, terms) in weighted.iter_mut().zip(&group.terms) {
                 for ((out, term), weight) in weighted.iter_mut().zip(terms).zip(&weights) {
                     *out = term * weight;
                 }
@@ -269,26 +321,46 @@ impl Cells {
             products.add(&weighted, &group.terms);
         }
         let sums = products.totals();
-        (
-            self.tempering * likelihood,
-            SVector::from_fn(|i, _| self.tempering * sums[0][1 + i]),
-            SMatrix::from_fn(|i, j| self.tempering * sums[1 + i.min(j)][1 + i.max(j)]),
-        )
+        SMatrix::from_fn(|i, j| {
+            let prior = if i == j { 1.0 / (STD[i] * STD[i]) } else { 0.0 };
+            self.tempering * sums[i.min(j)][i.max(j)] + prior
+        })
+    }
+}
+
+impl Start {
+    /// What is expected before anything is seen.
+    fn new() -> Self {
+        Self { terms: MEAN, curvature: None }
     }
 }
 
 impl Group {
-    /// Logarithms of the power of a scene with these amplitudes.
-    fn logarithms(&self, amplitudes: &[f64; TERMS]) -> [f32; WIDTH] {
+    /// Power of a scene with these amplitudes, as `transfer` lets it through.
+    fn scene(&self, amplitudes: &[f64; TERMS], transfer: &[f32; WIDTH]) -> [f32; WIDTH] {
         let mut sums = [0.0; WIDTH];
-        for (column, &amplitude) in self.terms[1..].iter().zip(amplitudes) {
+        for (column, &amplitude) in self.terms.iter().zip(amplitudes) {
             let amplitude = amplitude as f32;
             for (sum, &term) in sums.iter_mut().zip(column) {
                 *sum += amplitude * term;
             }
         }
+        for (sum, transfer) in sums.iter_mut().zip(transfer) {
+            *sum = exp(sum.min(MOST_LOG)) * transfer;
+        }
         sums
     }
+}
+
+/// Sum of products.
+fn dot(a: &[f32; WIDTH], b: &[f32; WIDTH]) -> f32 {
+    let mut sums = [0.0_f32; LANES];
+    for (a, b) in a.as_chunks::<LANES>().0.iter().zip(b.as_chunks::<LANES>().0) {
+        for ((sum, a), b) in sums.iter_mut().zip(a).zip(b) {
+            *sum += a * b;
+        }
+    }
+    (sums[0] + sums[2]) + (sums[1] + sums[3])
 }
 
 /// The terms at a frequency in cycles per pixel and a direction in radians.
