@@ -66,6 +66,7 @@
 //! `serde` adds `Serialize` for [`Record`](record::Record).
 
 pub mod camera;
+mod each;
 mod error;
 pub mod estimate;
 pub mod image;

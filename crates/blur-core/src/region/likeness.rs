@@ -3,10 +3,10 @@
 use ndarray::{Array2, ArrayView2};
 
 use super::candidates::Candidate;
-use super::each::each;
 use super::evidence::Cells;
 use super::grid::Grid;
 use super::texture::{CORRELATED, SCALES, Texture, WINDOWS};
+use crate::each::each;
 use crate::estimate::AxialAngle;
 use crate::{Result, image};
 

@@ -11,7 +11,6 @@ mod borders;
 mod candidates;
 mod components;
 mod cut;
-mod each;
 mod evidence;
 mod expansion;
 mod gaussian;

@@ -2,8 +2,8 @@
 
 use ndarray::{Array2, ArrayView2, ArrayViewMut1};
 
-use super::each::each;
 use super::gaussian::{RowFilter, derivative, filter, gaussian};
+use crate::each::each;
 
 /// Pixels from one point of the grid to the next.
 pub(super) const STEP_PX: usize = 4;

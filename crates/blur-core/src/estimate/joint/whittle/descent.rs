@@ -22,7 +22,7 @@ const LEAST_CURVATURE: f64 = 0.2;
 pub(super) struct Descent<'a> {
     /// At first that expected, then what the gradients tell.
     curvature: Matrix,
-    /// Whether a curvature expected at the point itself is known to the caller.
+    /// Whether what was last expected was so at the point itself.
     pub(super) is_fresh: bool,
     damping: f64,
     /// Share of a step that is taken.
@@ -34,16 +34,16 @@ pub(super) struct Descent<'a> {
 
 impl<'a> Descent<'a> {
     /// From a point of the `expected` curvature, where the parameters `held` stay what they are.
-    pub(super) fn new(expected: Matrix, held: &'a [usize]) -> Self {
+    pub(super) fn new(expected: &Matrix, held: &'a [usize]) -> Self {
         let mut descent =
-            Self { curvature: expected, is_fresh: true, damping: FIRST_DAMPING, share: 1.0, refused: 0, held };
+            Self { curvature: *expected, is_fresh: true, damping: FIRST_DAMPING, share: 1.0, refused: 0, held };
         descent.renew(expected);
         descent
     }
 
     /// Forgets what was learnt for what is `expected` at the point.
-    pub(super) fn renew(&mut self, expected: Matrix) {
-        self.curvature = expected;
+    pub(super) fn renew(&mut self, expected: &Matrix) {
+        self.curvature = *expected;
         self.is_fresh = true;
         for &i in self.held {
             self.curvature.row_mut(i).fill(0.0);
@@ -129,7 +129,7 @@ mod tests {
         true_curvature[(NOISE + 2, NOISE)] = 2.0;
         let loss = |x: &Vector| 0.5 * x.dot(&(true_curvature * x));
         let mut at = Vector::from_element(1.0);
-        let mut descent = Descent::new(expected, &[LENGTH]);
+        let mut descent = Descent::new(&expected, &[LENGTH]);
         let mut steps = 0;
         while loss(&at) - 0.5 * expected[(LENGTH, LENGTH)] > 1e-9 {
             steps += 1;
@@ -151,7 +151,7 @@ mod tests {
 
     #[test]
     fn a_step_refused_is_taken_in_part() {
-        let mut descent = Descent::new(Matrix::identity(), &[]);
+        let mut descent = Descent::new(&Matrix::identity(), &[]);
         // Promised 2 and lost 2 along a parabola: its vertex is at a quarter of the step.
         descent.shorten(-2.0, 2.0);
         assert_eq!(descent.share, 0.25);

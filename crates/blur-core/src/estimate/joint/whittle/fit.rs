@@ -125,7 +125,7 @@ impl Fit {
         let Effort { steps, least_gain, informs } = effort;
         self.tabulate(kernel, point);
         self.response.score(cells, kernel, point, true, &mut self.score);
-        let mut descent = Descent::new(self.score.reduced_information(), held);
+        let mut descent = Descent::new(&self.score.reduced_information(), held);
         for _ in 0..steps {
             let gradient = descent.free(self.score.reduced_gradient());
             let Some(step) = descent.step(&gradient) else { break };
@@ -150,7 +150,7 @@ impl Fit {
                 }
                 if !is_near {
                     self.response.score(cells, kernel, point, true, &mut self.score);
-                    descent.renew(self.score.reduced_information());
+                    descent.renew(&self.score.reduced_information());
                 }
             } else {
                 if expected < least_gain || descent.is_lost() {
@@ -258,9 +258,7 @@ fn advance(point: &mut Point, step: &Vector, score: &Score, share: f64) {
     for (k, amplitude) in point.scene.iter_mut().enumerate() {
         *amplitude -= share * step[SCENE + k];
     }
-    for (patch, deviation) in point.patches.iter_mut().enumerate() {
-        let followed: f64 = score.patch_cross[patch].iter().zip(step.iter()).map(|(&a, b)| f64::from(a) * b).sum();
-        let own = (score.patch_gradient[patch] - followed) / score.patch_information[patch];
+    for (deviation, own) in point.patches.iter_mut().zip(score.patch_steps(step)) {
         *deviation -= (share * own).clamp(-1.0, 1.0);
     }
 }

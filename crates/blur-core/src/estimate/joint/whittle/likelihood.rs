@@ -17,6 +17,8 @@ const SUMS: usize = 8;
 /// Shape of the compound distribution of the powers: the level of a cell scatters by `1 / sqrt(SHAPE)` beyond what the
 /// exponential distribution of the powers explains. It bounds the pull of any one cell.
 const SHAPE: f32 = 30.0;
+/// Patches that are summed in single precision.
+const BLOCK: usize = 8;
 /// Least power transfer: below it the noise or rounding rules.
 pub(super) const LEAST_POWER: f32 = 1e-8;
 /// Prior standard deviation of the logarithm of the noise power about its first guess.
@@ -116,13 +118,29 @@ impl Score {
     /// That of `other`, with the information from here.
     pub(super) fn reduced_gradient_of(&self, other: &Self) -> Vector {
         let mut gradient = other.gradient;
-        for ((cross, &own), &pull) in self.patch_cross.iter().zip(&self.patch_information).zip(&other.patch_gradient) {
-            let pull = pull / own;
-            for (out, &cross) in gradient.iter_mut().zip(cross) {
-                *out -= f64::from(cross) * pull;
+        let patches = self.patch_cross.chunks(BLOCK).zip(self.patch_information.chunks(BLOCK));
+        for ((crosses, owns), pulls) in patches.zip(other.patch_gradient.chunks(BLOCK)) {
+            let mut sums = [0.0_f32; PARAMETERS];
+            for ((cross, &own), &pull) in crosses.iter().zip(owns).zip(pulls) {
+                let pull = (pull / own) as f32;
+                sums.iter_mut().zip(cross).for_each(|(sum, cross)| *sum += cross * pull);
             }
+            gradient.iter_mut().zip(sums).for_each(|(out, sum)| *out -= f64::from(sum));
         }
         gradient
+    }
+
+    /// By how much each patch moves back with a `step` of the parameters.
+    pub(super) fn patch_steps(&self, step: &Vector) -> impl Iterator<Item = f64> {
+        let step: [f32; PARAMETERS] = std::array::from_fn(|i| step[i] as f32);
+        let patches = self.patch_cross.iter().zip(&self.patch_information).zip(&self.patch_gradient);
+        patches.map(move |((cross, own), pull)| {
+            let mut followed = [0.0_f32; LANES];
+            for (i, (cross, step)) in cross.iter().zip(&step).enumerate() {
+                followed[i % LANES] += cross * step;
+            }
+            (pull - f64::from(followed.iter().sum::<f32>())) / own
+        })
     }
 
     /// Information of the parameters with the patches profiled out.

@@ -22,6 +22,8 @@ const FILLS: [f64; 2] = [0.003, 0.03];
 const RADIUS: usize = 64;
 /// Steps along the motion.
 const STEPS: usize = 128;
+/// Lines that pools are summed into side by side.
+const LINES: usize = 4;
 const RINGS: usize = RADIUS + 1;
 /// Angular terms taken out of the log spectrum: `cos` and `sin` of 2 and 4 times the direction, each alone and times
 /// the logarithm of the radius.
@@ -242,7 +244,9 @@ impl Band {
             let (values, count) = (&mut self.values[pools.clone()], &self.count[pools.clone()]);
             (ring.sum, ring.count) = (dot(values, count), count.iter().sum());
             let mean = ring.sum / ring.count;
-            values.iter_mut().for_each(|value| *value -= mean);
+            for value in values.iter_mut() {
+                *value -= mean;
+            }
             for (moment, harmonic) in moments.iter_mut().zip(&self.harmonics) {
                 *moment += f64::from(dot3(values, count, &harmonic[pools.clone()]));
             }
@@ -303,9 +307,22 @@ impl Band {
         for (angle, gains) in self.gains.chunks_exact_mut(self.lengths.len()).enumerate() {
             let (sin, cos) = (PI * angle as f64 / ANGLES as f64).sin_cos();
             let (sin, cos) = (sin as f32 * per_step, cos as f32 * per_step);
-            let mut line = [0.0_f32; STEPS];
-            for ((&value, &u), &v) in self.values.iter().zip(&self.u).zip(&self.v) {
-                line[(u * cos - v * sin).abs() as usize % STEPS] += value;
+            let step_of = |u: f32, v: f32| (u * cos - v * sin).abs() as usize % STEPS;
+            // Neighbours often fall on one step: with a line for each of them none waits for the one before.
+            let mut lines = [[0.0_f32; STEPS]; LINES];
+            let (values, last_values) = self.values.as_chunks::<LINES>();
+            let ((u, last_u), (v, last_v)) = (self.u.as_chunks::<LINES>(), self.v.as_chunks::<LINES>());
+            for ((values, u), v) in values.iter().zip(u).zip(v) {
+                for (((line, value), &u), &v) in lines.iter_mut().zip(values).zip(u).zip(v) {
+                    line[step_of(u, v)] += value;
+                }
+            }
+            let [mut line, others @ ..] = lines;
+            for other in others {
+                line.iter_mut().zip(other).for_each(|(sum, value)| *sum += value);
+            }
+            for ((value, &u), &v) in last_values.iter().zip(last_u).zip(last_v) {
+                line[step_of(u, v)] += value;
             }
             let pairs = self.templates.chunks_exact(FILLS.len()).zip(self.weighted_norms.chunks_exact(FILLS.len()));
             for (gain, (templates, norms)) in gains.iter_mut().zip(pairs) {

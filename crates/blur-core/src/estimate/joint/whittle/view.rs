@@ -13,6 +13,7 @@ use super::periodogram::{CellSums, MOST_FREQUENCY, Periodogram};
 use super::point::{Kernel, Point};
 use super::search::{self, Band, Candidate};
 use super::verdict;
+use crate::each::each;
 use crate::estimate::LengthRange;
 use crate::image::Window;
 
@@ -142,15 +143,16 @@ impl View {
     /// For pictures that such a `periodogram` is made of; blurs are searched in `range`.
     pub(super) fn of(periodogram: Periodogram, range: LengthRange) -> Self {
         let (rows, columns) = periodogram.dim();
-        let mut bands = Vec::new();
-        let mut most_frequency = WIDEST_BAND;
-        while bands.is_empty() || most_frequency * rows.min(columns) as f64 > LEAST_BAND_BINS {
-            match Band::new(&periodogram, most_frequency, range) {
-                Some(band) => bands.push(band),
-                None if most_frequency * (rows.min(columns) as f64) < 1.0 => break,
-                None => {}
-            }
-            most_frequency *= 0.5;
+        let side = rows.min(columns) as f64;
+        let halves = || std::iter::successors(Some(WIDEST_BAND), |most_frequency| Some(0.5 * most_frequency));
+        let has_room = |most_frequency: &f64| most_frequency * side > LEAST_BAND_BINS;
+        let band = |&most_frequency: &f64| Band::new(&periodogram, most_frequency, range);
+        let mut bands: Vec<Band> =
+            each(&halves().take_while(has_room).collect::<Vec<_>>(), band).into_iter().flatten().collect();
+        if bands.is_empty() {
+            // Long blurs of a small picture are seen below that only.
+            let narrow = halves().skip_while(has_room).take_while(|most_frequency| most_frequency * side >= 1.0);
+            bands.extend(narrow.map(|most_frequency| band(&most_frequency)).find_map(|band| band));
         }
         Self { modes: Vec::with_capacity(bands.len() * search::CANDIDATES), bands, ..Self::fit_only(periodogram) }
     }

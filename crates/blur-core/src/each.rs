@@ -2,7 +2,7 @@
 
 /// What `work` makes of each item, in their order.
 #[cfg(feature = "rayon")]
-pub(super) fn each<T: Sync, R: Send>(items: &[T], work: impl Fn(&T) -> R + Sync + Send) -> Vec<R> {
+pub(crate) fn each<T: Sync, R: Send>(items: &[T], work: impl Fn(&T) -> R + Sync + Send) -> Vec<R> {
     use rayon::iter::{IntoParallelRefIterator, ParallelIterator};
 
     items.par_iter().map(work).collect()
@@ -10,6 +10,6 @@ pub(super) fn each<T: Sync, R: Send>(items: &[T], work: impl Fn(&T) -> R + Sync 
 
 /// What `work` makes of each item, in their order.
 #[cfg(not(feature = "rayon"))]
-pub(super) fn each<T, R>(items: &[T], work: impl Fn(&T) -> R) -> Vec<R> {
+pub(crate) fn each<T, R>(items: &[T], work: impl Fn(&T) -> R) -> Vec<R> {
     items.iter().map(work).collect()
 }
