@@ -92,6 +92,13 @@ pub enum Doubt {
         /// Largest value that raises no doubt.
         most: f64,
     },
+    /// A part of a picture is told from the rest by its low frequencies alone, as smooth parts of a still picture are too.
+    NarrowBand {
+        /// Up to here the blur explains the spectrum, in cycles per pixel.
+        cycles_per_px: f64,
+        /// Up to here it has to.
+        needed: f64,
+    },
     /// Another blur explains the spectrum nearly as well.
     RivalBlur {
         /// Evidence for the other one relative to the one found.
@@ -175,6 +182,12 @@ impl fmt::Display for Doubt {
             }
             Self::PeriodicTexture { peakedness, most } => {
                 write!(f, "periodic texture: peakedness {peakedness:.2} of the spectrum, beyond {most:.2} in doubt")
+            }
+            Self::NarrowBand { cycles_per_px, needed } => {
+                write!(
+                    f,
+                    "the blur explains frequencies up to {cycles_per_px:.2} cycles/px only, {needed:.2} needed of a part"
+                )
             }
             Self::RivalBlur { share, most } => {
                 write!(

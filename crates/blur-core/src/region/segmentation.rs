@@ -12,7 +12,7 @@ use super::texture::Texture;
 use super::tiles::TileBlur;
 use super::weights::inside;
 use crate::each::each;
-use crate::estimate::joint::Whittle;
+use crate::estimate::joint::{MOST_FREQUENCY, Whittle};
 use crate::estimate::{Doubt, MotionBlur, Settings, Status};
 use crate::{Error, Result, image};
 
@@ -92,11 +92,22 @@ pub struct MovingRegion {
     pub area_px: usize,
     /// Column and row of their centre.
     pub centroid: (f64, f64),
-    /// The blur of the whole region, measured well inside it; of a large one its middle, 1024 pixels square.
+    /// The blur of the whole region, measured well inside it; of a large one its middle, 1024 pixels square. It is in doubt when
+    /// it explains the low frequencies alone.
     pub blur: MotionBlur,
 }
 
 impl MovingRegion {
+    /// The region, in doubt unless its blur explains the whole spectrum. Of a still picture, parts are found that look blurred:
+    /// bars, folds, waves. Their low frequencies do, the others disagree.
+    fn in_doubt_when_narrow(mut self) -> Self {
+        let band = self.blur.evidence.map(|evidence| evidence.band_cycles_per_px);
+        if let (Status::Ok, Some(cycles_per_px)) = (self.blur.status, band.filter(|&band| band < MOST_FREQUENCY)) {
+            self.blur.status = Status::LowConfidence(Doubt::NarrowBand { cycles_per_px, needed: MOST_FREQUENCY });
+        }
+        self
+    }
+
     /// The region when its blur is that of `motion`. When it is in doubt and another, the motion keeps what it was measured with
     /// certainty by itself, in doubt now too. One of the two measurements has to be certain: a still picture has parts that look
     /// blurred enough to be doubted.
@@ -165,7 +176,7 @@ pub fn segment(image: ArrayView2<'_, f32>, tiles: &[TileBlur], settings: &Settin
             measure(image, &labels, label, place, motion.candidate.length_px, &settings)?
         };
         let region = blur.map(|blur| MovingRegion { label, area_px: place.area_px, centroid: place.centroid, blur });
-        Ok(region.and_then(|region| region.bears_out(motion)))
+        Ok(region.and_then(|region| region.bears_out(motion)).map(MovingRegion::in_doubt_when_narrow))
     });
     let mut moving: Vec<MovingRegion> = Vec::new();
     for (number, region) in regions.into_iter().collect::<Result<Vec<_>>>()?.into_iter().enumerate() {
@@ -340,5 +351,48 @@ fn measure(
         Ok(blur) => Ok(Some(blur)),
         Err(Error::RegionTooNarrow { .. } | Error::Constant { .. } | Error::NoWeight { .. }) => Ok(None),
         Err(error) => Err(error),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::estimate::{AxialAngle, Evidence};
+
+    fn region(band_cycles_per_px: f64, status: Status) -> MovingRegion {
+        let evidence = Evidence {
+            gain: 60.0,
+            gain_per_bin: 0.1,
+            rival_share: 0.0,
+            gain_over_defocus: 50.0,
+            incoherent_share: 0.01,
+            peakedness: 1.0,
+            misfit: 0.5,
+            band_cycles_per_px,
+            rows: 200,
+            columns: 300,
+        };
+        let blur = MotionBlur {
+            angle: AxialAngle::from_deg(100.0),
+            angle_std_deg: Some(0.4),
+            length_px: 26.0,
+            length_std_px: Some(0.5),
+            correlation: Some(0.0),
+            direction_deg: None,
+            status,
+            evidence: Some(evidence),
+            acceleration: None,
+        };
+        MovingRegion { label: 1, area_px: 40_000, centroid: (100.0, 80.0), blur }
+    }
+
+    #[test]
+    fn a_region_whose_high_frequencies_disagree_is_in_doubt() {
+        assert_eq!(region(0.5, Status::Ok).in_doubt_when_narrow(), region(0.5, Status::Ok));
+        let narrow = region(0.225, Status::Ok).in_doubt_when_narrow().blur.status;
+        assert_eq!(narrow, Status::LowConfidence(Doubt::NarrowBand { cycles_per_px: 0.225, needed: 0.5 }));
+        // What is in doubt already keeps its reason.
+        let doubtful = Status::LowConfidence(Doubt::SmallGain { gain: 3.0, needed: 18.0 });
+        assert_eq!(region(0.1, doubtful).in_doubt_when_narrow().blur.status, doubtful);
     }
 }

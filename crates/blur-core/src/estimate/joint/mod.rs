@@ -8,6 +8,7 @@ mod whittle;
 pub use phase_autocorrelation::PhaseAutocorrelation;
 pub use reference::Reference;
 pub(super) use whittle::Along as WhittleAlong;
+pub(crate) use whittle::MOST_FREQUENCY;
 pub use whittle::{Diagnosis, Stage, Surface, Tracked, Tracker, Whittle};
 
 /// The spectra of sharp scenes, for others who model pictures.

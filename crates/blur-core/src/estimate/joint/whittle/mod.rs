@@ -23,7 +23,7 @@ mod weighted;
 use ndarray::ArrayView2;
 
 pub use self::diagnosis::{Diagnosis, Surface};
-pub(crate) use self::periodogram::FALL;
+pub(crate) use self::periodogram::{FALL, MOST_FREQUENCY};
 pub(crate) use self::scene::{MEAN, STD, TERMS, terms};
 
 pub use self::tracker::{Tracked, Tracker};

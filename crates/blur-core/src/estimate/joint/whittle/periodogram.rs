@@ -13,7 +13,7 @@ const LOBE_BINS: f64 = 5.0;
 /// ... up to so many times as much.
 const MOST_LOBE: f64 = 8.0;
 /// ... up to this frequency in cycles per pixel.
-pub(super) const MOST_FREQUENCY: f64 = 0.5;
+pub(crate) const MOST_FREQUENCY: f64 = 0.5;
 /// Powers are multiplied by `(f / 0.1)^2.2`, the fall of the spectra of photographs, so that a cell may hold bins of
 /// different radii.
 pub(crate) const FALL: f64 = 2.2;
