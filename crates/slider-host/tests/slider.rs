@@ -147,8 +147,7 @@ fn run_follows_run_and_ctrl_c_disarms_the_timer() {
     program.interrupt();
     let result = program.end();
     assert_eq!(result.status, 0, "{}", result.err);
-    thread::sleep(Duration::from_millis(100));
-    assert_eq!(rig.heard.lock().unwrap().last(), Some(&Ask::Stop));
+    rig.hears_at_last(Ask::Stop);
 }
 
 #[test]
@@ -214,7 +213,7 @@ fn ctrl_c_in_a_run_closes_its_file() {
     assert_eq!(logged[0].incomplete.as_deref(), Some("the program was stopped"));
     assert!(!logged[0].run.edges.is_empty());
     assert!(rig.passed.lock().unwrap()[0].starts_with(&logged[0].run.edges));
-    assert!(rig.heard.lock().unwrap().contains(&Ask::Stop));
+    rig.hears_at_last(Ask::Stop);
 }
 
 #[test]
@@ -249,7 +248,7 @@ fn status_stop_and_selftest_talk_to_the_timer() {
     let json: Value = serde_json::from_str(&result.out[0]).unwrap();
     assert_eq!((result.status, &json["unit"], &json["state"]), (0, &"timer".into(), &"idle".into()));
     assert_eq!(slider(&["stop", "--port", &port]).status, 0);
-    assert_eq!(rig.heard.lock().unwrap().last(), Some(&Ask::Stop));
+    rig.hears_at_last(Ask::Stop);
     let result = slider(&["selftest", "--port", &port]);
     assert_eq!(
         (result.status, result.out.as_slice()),

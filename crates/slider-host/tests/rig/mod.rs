@@ -60,6 +60,9 @@ fn pair() -> (TTYPort, TTYPort, String) {
     (master.try_clone_native().unwrap(), slave.try_clone_native().unwrap(), slave.name().unwrap())
 }
 
+/// A command that has not come by then does not come.
+const PATIENCE: Duration = Duration::from_secs(10);
+
 static FOLDERS: AtomicU32 = AtomicU32::new(0);
 
 /// A new folder for a test.
@@ -81,6 +84,15 @@ impl Rig {
         };
         rig.plug(play);
         rig
+    }
+
+    /// Waits until `command` is the last that came: what a program has written is read when it has ended, or later.
+    pub fn hears_at_last(&self, command: Command) {
+        let start = Instant::now();
+        while self.heard.lock().unwrap().last() != Some(&command) {
+            assert!(start.elapsed() < PATIENCE, "{:?}", self.heard.lock().unwrap());
+            thread::sleep(Duration::from_millis(5));
+        }
     }
 
     /// Plugs a board in where the last one was, which has to be gone.
