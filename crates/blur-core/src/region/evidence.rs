@@ -441,6 +441,24 @@ mod tests {
     }
 
     #[test]
+    fn the_evidence_is_the_same_wherever_its_fits_start() {
+        let cells = Cells::new(SIDE, 0.25, 12.0, AxialAngle::from_deg(0.0));
+        // From far above the noise to hardly above it.
+        for contrast in [1.0_f32, 0.2, 0.1, 0.05] {
+            let [blurred, sharp] = [picture(12), picture(1)].map(|picture| picture * contrast);
+            let look = |workspace: &mut Workspace, picture: &Array2<f32>| {
+                cells.evidence(workspace, picture.view(), LEAST_NOISE, (SIDE / 2, SIDE / 2))
+            };
+            let mut workspace = cells.workspace();
+            let cold = look(&mut workspace, &blurred);
+            let other = look(&mut workspace, &sharp);
+            let warm = look(&mut workspace, &blurred);
+            // The fit of either hypothesis ends within a few times the gain that is not worth a step.
+            assert!((warm - cold).abs() < 0.4, "{contrast}: {cold} {warm}, {other} between");
+        }
+    }
+
+    #[test]
     fn noise_alone_tells_nothing() {
         let calm = Array2::from_elem((SIDE, SIDE), 40.0);
         assert!(evidence(&calm, 12.0, 20.0).abs() < 0.5);
