@@ -175,6 +175,9 @@ fn from_map(map: &MapFields, rows_run: Option<RowsRun>) -> String {
             let _ = write!(text, "  speed {value} m/s (k = {COVERAGE_K})");
         }
         let _ = write!(text, "  {}", blur.status);
+        if let Some(reason) = &blur.reason {
+            let _ = write!(text, ": {reason}");
+        }
         if let Some(speeds) = region.rolled.zip(rows_run).and_then(|(speeds, rows_run)| rolled(&speeds, rows_run)) {
             text.push_str(&speeds);
         }
