@@ -44,7 +44,7 @@ impl AxialAngle {
     }
 }
 
-/// Why a result is not certain.
+/// Why a result is not certain. A new reason comes last: places of variants are part of what is promised.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub enum Doubt {
@@ -91,13 +91,6 @@ pub enum Doubt {
         peakedness: f64,
         /// Largest value that raises no doubt.
         most: f64,
-    },
-    /// A part of a picture is told from the rest by its low frequencies alone, as smooth parts of a still picture are too.
-    NarrowBand {
-        /// Up to here the blur explains the spectrum, in cycles per pixel.
-        cycles_per_px: f64,
-        /// Up to here it has to.
-        needed: f64,
     },
     /// Another blur explains the spectrum nearly as well.
     RivalBlur {
@@ -151,6 +144,13 @@ pub enum Doubt {
         min_px: f64,
         /// Longest length searched in pixels.
         max_px: f64,
+    },
+    /// A part of a picture is told from the rest by its low frequencies alone, as smooth parts of a still picture are too.
+    NarrowBand {
+        /// Up to here the blur explains the spectrum, in cycles per pixel.
+        cycles_per_px: f64,
+        /// Up to here it has to.
+        needed: f64,
     },
 }
 
