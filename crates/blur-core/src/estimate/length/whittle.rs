@@ -17,19 +17,20 @@ const LEAST_ALONG_PX: f64 = 16.0;
 /// smears there stays on the dark line. Along the motion it must measure at least 16 pixels, and should measure twice
 /// the blur.
 ///
-/// # Short rows
+/// # Rows
 ///
-/// Segments of up to 64 pixels along the motion, when that follows their rows or columns so closely that the longest blur of
+/// Segments of up to 256 pixels along the motion, when that follows their rows or columns so closely that the longest blur of
 /// the range leaves them by half a pixel at most, are measured by the exact likelihood of their samples instead: rows are
 /// normal vectors with unknown means, whose covariance is that of a power law seen through the blur, and noise. There is no
 /// window (the setting counts for nothing) and nothing leaks, so that on pictures with little noise even rows a third
-/// longer than the blur tell it. Every quarter of a pixel of the range is tried.
+/// longer than the blur tell it. Lengths are tried a quarter of a pixel or a percent apart. That a picture is sharp, or out
+/// of focus, the spectrum tells still, where both sides are longer than 64 pixels.
 ///
 /// # Uncertainty
 ///
 /// The inverse of the expected information, everything else profiled out, for bins as independent as the window
 /// leaves them. On strips 256 pixels long and 4 to 256 high, blurred by 12 and 30 pixels, 89 to 100 % of the
-/// errors were within two standard uncertainties. Of short rows: the variance of the rows' contributions to the score,
+/// errors were within two standard uncertainties. Of rows: the variance of the rows' contributions to the score,
 /// neighbours correlated as they are found to be, so that scenes that are not normal are accounted for; times 1.3 for what a
 /// power law leaves out. An error of the angle is not in it.
 ///
@@ -37,11 +38,12 @@ const LEAST_ALONG_PX: f64 = 16.0;
 ///
 /// Long blurs in strips of fewer than eight rows show too few bins: other lengths are then nearly as likely, and the answer
 /// is called doubtful. In short rows noise soon covers the few dark lines there are: where the blur then gains too little over
-/// no blur, or another length as much, the answer is called doubtful. They are not held against a lens out of focus.
+/// no blur, or another length as much, the answer is called doubtful. Rows of up to 64 pixels are not held against a lens out
+/// of focus.
 ///
 /// # Reference
 ///
-/// That of [`joint::Whittle`](crate::estimate::joint::Whittle); for strips, thesis chapter 7; for short rows H. D. Patterson,
+/// That of [`joint::Whittle`](crate::estimate::joint::Whittle); for strips, thesis chapter 7; for rows H. D. Patterson,
 /// R. Thompson, Biometrika 58 (1971) 545 (the likelihood), and H. White, Econometrica 50 (1982) 1 with W. K. Newey, K. D. West,
 /// Econometrica 55 (1987) 703 (its uncertainty).
 #[derive(Debug)]

@@ -10,8 +10,12 @@ use super::view::View;
 use super::{MIDDLE_PX, WHOLE_PX, WHOLE_WINDOW, verdict};
 use crate::estimate::length::{no_length, range_along};
 use crate::estimate::per_size::PerSize;
-use crate::estimate::{AxialAngle, LengthEstimate, Settings};
+use crate::estimate::{AxialAngle, LengthEstimate, Settings, Status};
 use crate::image::centre_square;
+
+/// Up to here the spectrum of a picture tells neither a sharp scene nor a lens out of focus from a motion: its shorter side
+/// in pixels.
+const SILENT_PX: usize = 64;
 
 /// The length along a known angle by the likelihood of [`Whittle`](super::Whittle).
 #[derive(Debug)]
@@ -53,21 +57,22 @@ impl Along {
             (columns, picture.reversed_axes(), angle.rad() - FRAC_PI_2)
         };
         let within = range.within(lines.ncols() as f64);
-        if let Some(short) = short.as_mut().filter(|_| Rows::hold(within.max_px(), turn)) {
-            let Some(found) = short.measure(lines, within) else { return no_length(within) };
-            return LengthEstimate {
-                length_px: found.length,
-                std_px: Some(found.length * found.variance.sqrt()),
-                status: verdict::status_of_rows(&found, within),
-            };
+        let short = short.as_mut().filter(|_| Rows::hold(within.max_px(), turn));
+        if short.is_none() || side > SILENT_PX {
+            let view = steep.as_mut().filter(|_| !along_rows).unwrap_or(flat);
+            view.set_weighted(picture, weights.view());
+            let Some(outcome) = view.measure_along(angle.rad(), range) else { return no_length(range) };
+            let status = verdict::status(&outcome, range);
+            if short.is_none() || matches!(status, Status::NoMotionBlur(_)) {
+                let std_px = Some(outcome.length * outcome.covariance[0][0].sqrt());
+                return LengthEstimate { length_px: outcome.length, std_px, status };
+            }
         }
-        let view = steep.as_mut().filter(|_| !along_rows).unwrap_or(flat);
-        view.set_weighted(picture, weights.view());
-        let Some(outcome) = view.measure_along(angle.rad(), range) else { return no_length(range) };
+        let Some(found) = short.and_then(|short| short.measure(lines, within)) else { return no_length(within) };
         LengthEstimate {
-            length_px: outcome.length,
-            std_px: Some(outcome.length * outcome.covariance[0][0].sqrt()),
-            status: verdict::status(&outcome, range),
+            length_px: found.length,
+            std_px: Some(found.length * found.variance.sqrt()),
+            status: verdict::status_of_rows(&found, within),
         }
     }
 }

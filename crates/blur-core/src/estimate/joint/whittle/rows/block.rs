@@ -7,7 +7,7 @@ use std::f64::consts::{FRAC_1_SQRT_2, SQRT_2};
 
 use ndarray::{ArrayView1, ArrayView2};
 
-use super::lags::{LENGTH, Lags, NOISE, PARAMETERS, Parameters};
+use super::integrals::{Integrals, LENGTH, NOISE, PARAMETERS, Parameters};
 use super::symmetric::{add_forms, add_multiple, dot, invert, multiply, trace_of_product};
 
 /// Which half.
@@ -112,9 +112,9 @@ impl Block {
 
     /// Inverts the covariance with this much `noise`. The logarithm of its determinant and `tr(P S)`; `None` when it is
     /// not positive definite.
-    pub(super) fn invert(&mut self, lags: &Lags, noise: f64) -> Option<(f64, f64)> {
+    pub(super) fn invert(&mut self, lags: &Integrals, noise: f64) -> Option<(f64, f64)> {
         let mut inverse = std::mem::take(&mut self.inverse);
-        self.fill(lags.covariance(), &mut inverse);
+        self.fill(lags.values(), &mut inverse);
         for diagonal in inverse.iter_mut().step_by(self.size + 1) {
             *diagonal += noise;
         }
@@ -150,7 +150,7 @@ impl Block {
     }
 
     /// Adds this half's traces; [`invert`](Self::invert) comes first.
-    pub(super) fn add_traces(&mut self, lags: &Lags, noise: f64, traces: &mut Traces) {
+    pub(super) fn add_traces(&mut self, lags: &Integrals, noise: f64, traces: &mut Traces) {
         let n = self.size;
         let [derivative, both] = &mut self.work;
         let (mut derivative, mut both) = (std::mem::take(derivative), std::mem::take(both));
@@ -159,7 +159,7 @@ impl Block {
         multiply(&derivative, &self.inverse, &mut both, n);
         traces.square += dot(&both, &self.scatter);
         for parameter in LENGTH..NOISE {
-            self.fill(lags.derivative(parameter), &mut derivative);
+            self.fill(lags.derivatives(parameter), &mut derivative);
             traces.single[parameter] += dot(&self.inverse, &derivative);
             traces.scatter[parameter] += dot(&both, &derivative);
             multiply(&self.inverse, &derivative, &mut self.products[parameter], n);
@@ -179,13 +179,20 @@ impl Block {
 
     /// Adds to `out`, a value for each row `x`, `x' P D P x`: `D` is the derivative of the covariance along `direction`,
     /// and along that of its scale by `scale`. [`invert`](Self::invert) comes first.
-    pub(super) fn add_slopes(&mut self, lags: &Lags, noise: f64, direction: &Parameters, scale: f64, out: &mut [f64]) {
+    pub(super) fn add_slopes(
+        &mut self,
+        lags: &Integrals,
+        noise: f64,
+        direction: &Parameters,
+        scale: f64,
+        out: &mut [f64],
+    ) {
         let n = self.size;
         let [slope, part] = &mut self.work;
         let (mut slope, mut part) = (std::mem::take(slope), std::mem::take(part));
         slope.fill(0.0);
         for (parameter, &share) in direction.iter().enumerate().take(NOISE) {
-            self.fill(lags.derivative(parameter), &mut part);
+            self.fill(lags.derivatives(parameter), &mut part);
             add_multiple(&mut slope, share, &part);
         }
         for diagonal in slope.iter_mut().step_by(n + 1) {

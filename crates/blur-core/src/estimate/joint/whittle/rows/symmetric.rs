@@ -27,11 +27,22 @@ pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
     parts.iter().sum::<f64>() + rest
 }
 
+/// Rows of a factor that are added to the product at once.
+const TOGETHER: usize = 4;
+
 /// The product of two square matrices.
 pub(super) fn multiply(a: &[f64], b: &[f64], out: &mut [f64], n: usize) {
     for (out, a) in out.chunks_exact_mut(n).zip(a.chunks_exact(n)) {
         out.fill(0.0);
-        for (&a, b) in a.iter().zip(b.chunks_exact(n)) {
+        let (factors, last) = a.as_chunks::<TOGETHER>();
+        for ([a0, a1, a2, a3], b) in factors.iter().zip(b.chunks_exact(TOGETHER * n)) {
+            let (b01, b23) = b.split_at(2 * n);
+            let ((b0, b1), (b2, b3)) = (b01.split_at(n), b23.split_at(n));
+            for ((((out, b0), b1), b2), b3) in out.iter_mut().zip(b0).zip(b1).zip(b2).zip(b3) {
+                *out += (a0 * b0 + a1 * b1) + (a2 * b2 + a3 * b3);
+            }
+        }
+        for (&a, b) in last.iter().zip(b.chunks_exact(n).skip(n - last.len())) {
             add_multiple(out, a, b);
         }
     }
@@ -109,6 +120,20 @@ mod tests {
     fn what_is_not_positive_definite_has_no_inverse() {
         for matrix in [[1.0, 2.0, 2.0, 1.0], [0.0; 4], [f64::NAN; 4]] {
             assert!(invert(&mut matrix.clone(), 2, &mut [0.0; 4]).is_none(), "{matrix:?}");
+        }
+    }
+
+    #[test]
+    fn products_of_any_size_are_sums_over_rows_and_columns() {
+        for n in [1_usize, 3, 4, 7, 9] {
+            let values = |seed: usize| (0..n * n).map(move |i| ((i * i + seed * i) % 11) as f64).collect::<Vec<f64>>();
+            let (a, b) = (values(3), values(5));
+            let mut product = vec![f64::NAN; n * n];
+            multiply(&a, &b, &mut product, n);
+            for (at, found) in product.iter().enumerate() {
+                let written: f64 = (0..n).map(|k| a[at / n * n + k] * b[k * n + at % n]).sum();
+                assert!((found - written).abs() < 1e-12, "{n} {at}: {found} {written}");
+            }
         }
     }
 

@@ -1,8 +1,12 @@
-//! The covariance of two samples of a row, lag by lag.
+//! What the spectrum of a row amounts to: the covariance of two samples at each lag, or the power seen in each bin.
 
 use std::f64::consts::{LN_10, PI};
+use std::ops::Range;
+
+use rustfft::num_complex::Complex64;
 
 use super::symmetric::dot;
+use crate::image::Window;
 use crate::psf::sinc;
 
 /// What the likelihood is a function of, by the indices below; the scale of the scene is not among them.
@@ -19,30 +23,61 @@ pub(super) const NOISE: usize = 3;
 
 /// Bounds of the panels in which the spectrum is integrated: fine where it is steep, and further on ...
 const STEEP: [f64; 4] = [0.0, 0.0025, 0.01, 0.04];
-/// ... so many up to the highest frequency, within each of which the longest lag turns less than four times.
-const PANELS: usize = 12;
+/// ... so many samples of a row for each up to the highest frequency, so that the longest lag turns less than four times
+/// within a panel.
+const SAMPLES: usize = 6;
+/// The least number of those panels: short rows see long blurs no finer than that.
+const PANELS: usize = 8;
 /// Nodes of a panel.
 const NODES: usize = 16;
+/// Bins from here on see nothing of the mean of a row, in units of the spacing.
+const FIRST_BIN: usize = 2;
 
-/// The covariance and its derivatives for one width.
+/// Integrals of the spectrum of a blurred scene times one function or another, and their derivatives.
 #[derive(Debug)]
-pub(super) struct Lags {
+pub(super) struct Integrals {
     frequencies: Vec<f64>,
     weights: Vec<f64>,
-    /// The cosine of each lag, a row, at each frequency.
-    cosines: Vec<f64>,
+    /// Each function, a row, at each frequency.
+    functions: Vec<f64>,
     /// The powers of the blurred scene at the nodes, and their derivatives.
     powers: [Vec<f64>; NOISE + 1],
-    /// Their sums: the covariance at each lag and its derivatives, that by a parameter at the parameter's index plus one.
+    /// The integrals and their derivatives, that by a parameter at the parameter's index plus one.
     sums: [Vec<f64>; NOISE + 1],
 }
 
-impl Lags {
-    /// For rows of `width` samples.
-    pub(super) fn new(width: usize) -> Self {
+impl Integrals {
+    /// The covariance at each lag of rows of `width` samples.
+    pub(super) fn lags(width: usize) -> Self {
+        Self::new(width, width, |lag, f| (2.0 * PI * f * lag as f64).cos())
+    }
+
+    /// The power expected in the bins of rows of `width` samples under a window, of which [`row_bins`] takes the spectrum.
+    pub(super) fn bins(width: usize) -> Self {
+        // Of a Hann window over `width + 1` steps, half of one Dirichlet kernel less a quarter of its two neighbours.
+        let period = width as f64 + 1.0;
+        let dirichlet = |f: f64| {
+            let phase = Complex64::cis(-PI * f * width as f64);
+            let sin = (PI * f).sin();
+            if sin.abs() < 1e-9 { phase * period } else { phase * ((PI * f * period).sin() / sin) }
+        };
+        let seen = |f: f64| {
+            let beside = dirichlet(f - 1.0 / period) + dirichlet(f + 1.0 / period);
+            (0.5 * dirichlet(f) - 0.25 * beside).norm_sqr() * 8.0 / (3.0 * period)
+        };
+        let bins = row_bins(width);
+        let first = bins.start;
+        Self::new(width, bins.len(), move |bin, f| {
+            let centre = (first + bin) as f64 / width as f64;
+            0.5 * (seen(f - centre) + seen(f + centre))
+        })
+    }
+
+    fn new(width: usize, count: usize, function: impl Fn(usize, f64) -> f64) -> Self {
         let mut edges = STEEP.to_vec();
         let last = STEEP[STEEP.len() - 1];
-        edges.extend((1..=PANELS).map(|k| last + (0.5 - last) * k as f64 / PANELS as f64));
+        let panels = width.div_ceil(SAMPLES).max(PANELS);
+        edges.extend((1..=panels).map(|k| last + (0.5 - last) * k as f64 / panels as f64));
         let rule = gauss_legendre();
         let (mut frequencies, mut weights) = (Vec::new(), Vec::new());
         for panel in edges.windows(2) {
@@ -53,13 +88,13 @@ impl Lags {
                 weights.push(2.0 * half * weight);
             }
         }
-        let cosines =
-            (0..width).flat_map(|lag| frequencies.iter().map(move |f| (2.0 * PI * f * lag as f64).cos())).collect();
+        let functions = (0..count).flat_map(|i| frequencies.iter().map(move |&f| (i, f)));
+        let functions = functions.map(|(i, f)| function(i, f)).collect();
         let powers = std::array::from_fn(|_| vec![0.0; frequencies.len()]);
-        Self { powers, sums: std::array::from_fn(|_| vec![0.0; width]), frequencies, weights, cosines }
+        Self { powers, sums: std::array::from_fn(|_| vec![0.0; count]), frequencies, weights, functions }
     }
 
-    /// The covariance at `parameters`, without the noise, and its derivatives.
+    /// The integrals at `parameters`, without the noise, and their derivatives.
     pub(super) fn set(&mut self, parameters: &Parameters) {
         let (length, fall) = (parameters[LENGTH].exp(), parameters[FALL]);
         let knee2 = (2.0 * parameters[KNEE]).exp();
@@ -76,21 +111,33 @@ impl Lags {
             by_knee[i] = -fall * knee2 / square * value[i];
         }
         for (sums, powers) in self.sums.iter_mut().zip(&self.powers) {
-            for (sum, cosines) in sums.iter_mut().zip(self.cosines.chunks_exact(self.frequencies.len())) {
-                *sum = dot(powers, cosines);
+            for (sum, function) in sums.iter_mut().zip(self.functions.chunks_exact(self.frequencies.len())) {
+                *sum = dot(powers, function);
             }
         }
     }
 
-    /// The covariance at each lag.
-    pub(super) fn covariance(&self) -> &[f64] {
+    /// The integrals.
+    pub(super) fn values(&self) -> &[f64] {
         &self.sums[0]
     }
 
-    /// Its derivative by a parameter, which is not the noise.
-    pub(super) fn derivative(&self, parameter: usize) -> &[f64] {
+    /// Their derivatives by a parameter, which is not the noise.
+    pub(super) fn derivatives(&self, parameter: usize) -> &[f64] {
         &self.sums[parameter + 1]
     }
+}
+
+/// The bins of rows of `width` samples that say something of their spectrum.
+pub(super) fn row_bins(width: usize) -> Range<usize> {
+    FIRST_BIN..width.div_ceil(2)
+}
+
+/// The window of those bins, with the sum of its squares 1, so that white noise has its own variance in each.
+pub(super) fn row_window(width: usize) -> Vec<f64> {
+    let weights: Vec<f64> = Window::Hann.weights(width).into_iter().map(f64::from).collect();
+    let norm = weights.iter().map(|weight| weight * weight).sum::<f64>().sqrt();
+    weights.into_iter().map(|weight| weight / norm).collect()
 }
 
 /// Nodes and weights on -1..1.
@@ -120,14 +167,14 @@ mod tests {
     fn white_noise_moved_is_correlated_as_far_as_the_motion() {
         // Without a blur 1 and 0 at all other lags; at a whole length L of samples band-limited like the scene the sum over
         // all lags is the power at the frequency 0, 1.
-        let mut lags = Lags::new(64);
+        let mut lags = Integrals::lags(64);
         lags.set(&[f64::NEG_INFINITY, 0.0, -4.6, -7.0]);
-        for (lag, covariance) in lags.covariance().iter().enumerate() {
+        for (lag, covariance) in lags.values().iter().enumerate() {
             assert!((covariance - if lag == 0 { 1.0 } else { 0.0 }).abs() < 1e-9, "{lag}: {covariance}");
         }
         for length in [4.0_f64, 13.7, 38.0] {
             lags.set(&[length.ln(), 0.0, -4.6, -7.0]);
-            for (lag, covariance) in lags.covariance().iter().enumerate() {
+            for (lag, covariance) in lags.values().iter().enumerate() {
                 // A triangle, whose corners the highest frequency rounds.
                 let triangle = (length - lag as f64).max(0.0) / (length * length);
                 assert!((covariance - triangle).abs() < 0.25 / (length * length), "{length} {lag}: {covariance}");
@@ -138,19 +185,19 @@ mod tests {
     #[test]
     fn derivatives_are_limits_of_differences() {
         let at = [2.3, 1.9, -4.0, -7.0];
-        let mut lags = Lags::new(40);
+        let mut lags = Integrals::lags(40);
         for parameter in LENGTH..NOISE {
             let h = 1e-5;
             let [low, high] = [-h, h].map(|by| {
                 let mut moved = at;
                 moved[parameter] += by;
                 lags.set(&moved);
-                lags.covariance().to_vec()
+                lags.values().to_vec()
             });
             lags.set(&at);
-            for (lag, found) in lags.derivative(parameter).iter().enumerate() {
+            for (lag, found) in lags.derivatives(parameter).iter().enumerate() {
                 let difference = (high[lag] - low[lag]) / (2.0 * h);
-                let scale = lags.derivative(parameter)[0].abs();
+                let scale = lags.derivatives(parameter)[0].abs();
                 assert!((found - difference).abs() < 1e-6 * scale, "{parameter} {lag}: {found} {difference}");
             }
         }
