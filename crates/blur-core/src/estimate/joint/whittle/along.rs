@@ -1,21 +1,23 @@
-//! The likelihood of the length along a known direction, of strips too: of the spectrum, or of the rows where they are short.
+//! The likelihood of the length along a known direction, of strips too: of the spectrum, and of the rows where they are short.
 
 use std::f64::consts::FRAC_PI_2;
 
 use ndarray::{Array2, ArrayView2};
 
 use super::periodogram::Periodogram;
-use super::rows::Rows;
-use super::view::View;
+use super::rows::{Found, Rows};
+use super::view::{SAME_LOG_LENGTH, View};
 use super::{MIDDLE_PX, WHOLE_PX, WHOLE_WINDOW, verdict};
 use crate::estimate::length::{no_length, range_along};
 use crate::estimate::per_size::PerSize;
-use crate::estimate::{AxialAngle, LengthEstimate, Settings, Status};
+use crate::estimate::{AxialAngle, LengthEstimate, LengthRange, Settings, Status};
 use crate::image::centre_square;
 
 /// Up to here the spectrum of a picture tells neither a sharp scene nor a lens out of focus from a motion: its shorter side
-/// in pixels.
+/// in pixels. Of rows as short it says nothing that they do not say better.
 const SILENT_PX: usize = 64;
+/// The spectrum's own uncertainty holds where it is so many times as wide as the blur that it found.
+const WIDE: f64 = 2.5;
 
 /// The length along a known angle by the likelihood of [`Whittle`](super::Whittle).
 #[derive(Debug)]
@@ -58,23 +60,46 @@ impl Along {
         };
         let within = range.within(lines.ncols() as f64);
         let short = short.as_mut().filter(|_| Rows::hold(within.max_px(), turn));
-        if short.is_none() || side > SILENT_PX {
+        let mut spectrum = None;
+        if short.is_none() || lines.ncols() > SILENT_PX {
             let view = steep.as_mut().filter(|_| !along_rows).unwrap_or(flat);
             view.set_weighted(picture, weights.view());
             let Some(outcome) = view.measure_along(angle.rad(), range) else { return no_length(range) };
+            let std_px = Some(outcome.length * outcome.covariance[0][0].sqrt());
             let status = verdict::status(&outcome, range);
-            if short.is_none() || matches!(status, Status::NoMotionBlur(_)) {
-                let std_px = Some(outcome.length * outcome.covariance[0][0].sqrt());
-                return LengthEstimate { length_px: outcome.length, std_px, status };
-            }
+            spectrum = Some(LengthEstimate { length_px: outcome.length, std_px, status });
         }
-        let Some(found) = short.and_then(|short| short.measure(lines, within)) else { return no_length(within) };
-        LengthEstimate {
-            length_px: found.length,
-            std_px: Some(found.length * found.variance.sqrt()),
-            status: verdict::status_of_rows(&found, within),
+        let denied = side > SILENT_PX && spectrum.is_some_and(|of| matches!(of.status, Status::NoMotionBlur(_)));
+        match (short.filter(|_| !denied).and_then(|short| short.measure(lines, within)), spectrum) {
+            (Some(found), Some(spectrum)) => the_surer(&found, spectrum, within, lines.ncols()),
+            (Some(found), None) => of_rows(&found, within),
+            (None, spectrum) => spectrum.unwrap_or_else(|| no_length(within)),
         }
     }
+}
+
+/// What rows say.
+fn of_rows(found: &Found, range: LengthRange) -> LengthEstimate {
+    LengthEstimate {
+        length_px: found.length,
+        std_px: Some(found.length * found.variance.sqrt()),
+        status: verdict::status_of_rows(found, range),
+    }
+}
+
+/// What the spectrum says of rows of `width` pixels, which knows more of a scene, when it is sure and the rows are not sure of
+/// something else; or else what the rows say, as far as they say anything.
+fn the_surer(found: &Found, spectrum: LengthEstimate, range: LengthRange, width: usize) -> LengthEstimate {
+    let rows = of_rows(found, range);
+    let is_sure = spectrum.status == Status::Ok && width as f64 >= WIDE * spectrum.length_px;
+    let is_same = (spectrum.length_px / rows.length_px).ln().abs() < SAME_LOG_LENGTH;
+    let is_spectrum = match (is_sure, rows.status == Status::Ok) {
+        (true, true) => is_same,
+        (true, false) => true,
+        (false, true) => false,
+        (false, false) => matches!(spectrum.status, Status::LowConfidence(_)) && !verdict::rows_tell(found),
+    };
+    if is_spectrum { spectrum } else { rows }
 }
 
 impl Plan {

@@ -59,7 +59,7 @@ const COHERENT: f64 = -4.0;
 /// Precision of an angle that is known: a millionth of a radian.
 const KNOWN: f64 = 1e12;
 /// Lead in log-likelihood over any other length that leaves no rival.
-pub(super) const CLEAR_LEAD: f64 = 18.0;
+const CLEAR_LEAD: f64 = 18.0;
 /// Logarithmic step of the lengths from which fits along a known angle start.
 const LENGTH_STEP: f64 = 0.06;
 
