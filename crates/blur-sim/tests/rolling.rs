@@ -62,6 +62,34 @@ fn a_row_is_exposed_at_its_own_time() {
 }
 
 #[test]
+fn a_speed_that_rises_is_that_of_the_middle_of_each_exposure() {
+    let waves = waves(4, 10);
+    let rising = RollingMotion { right_px: 6.0, down_px: 2.0, row_time: 0.25, speed_gain: 0.04 };
+    let picture = expose_rows((33, 12), 0.0, &waves, &rising).unwrap();
+    let steady = expose_rows((33, 12), 0.0, &waves, &RollingMotion { speed_gain: 0.0, ..rising }).unwrap();
+    // What an eighth of the gain in length, at both ends of a row's exposure, can change.
+    let turns = |wave: &PlaneWave| (6.0 * wave.u + 2.0 * wave.v).abs();
+    let most: f64 = waves.iter().map(|wave| wave.amplitude * std::f64::consts::TAU * turns(wave) * 0.04 / 8.0).sum();
+    let mut farthest = 0.0_f64;
+    // Row 32 is exposed eight exposures late, when the speed is higher by a third.
+    for (column, (&value, &other)) in picture.row(32).iter().zip(steady.row(32)).enumerate() {
+        let instants = 2000;
+        let mean: f64 = (0..instants)
+            .map(|i| {
+                // Time since the middle of the first row's exposure, and how far the content has come.
+                let t = 8.0 - 0.5 + (f64::from(i) + 0.5) / f64::from(instants);
+                let moved = 0.5 + t + 0.02 * t * t;
+                waves.iter().map(|wave| wave.at(column as f64 - 6.0 * moved, 32.0 - 2.0 * moved)).sum::<f64>()
+            })
+            .sum::<f64>()
+            / f64::from(instants);
+        assert!((value - mean).abs() < most, "{column}: {value} {mean} {most}");
+        farthest = farthest.max((other - mean).abs());
+    }
+    assert!(farthest > 3.0 * most, "{farthest} {most}");
+}
+
+#[test]
 fn the_speed_is_one_of_the_two_that_the_shutter_allows() {
     let scene = waves(3, 1500);
     // (right, down) in pixels an exposure; 1/160 of an exposure from row to row makes 8 to 11 % of the length.

@@ -142,8 +142,8 @@ pub fn widths(plan: &Plan) -> Result<Report> {
     let mut report = Report { text, ..Report::default() };
     report.notes.push(format!(
         "{} sharp pictures, segments {SIDE_PX} px high and 20 to 250 px wide, angle known; the row is of the width 2 L, least: \
-         in it and all wider ones the error is at most {SUFFICIENT_PERCENT} %; {OURS} takes no window up to 64 px; {THESIS} needs \
-         {MIN_SIDE} columns",
+         in it and all wider ones the error is at most {SUFFICIENT_PERCENT} %; {OURS} takes no window up to 64 px, \
+         nor in wider ones where its spectrum is not sure; {THESIS} needs {MIN_SIDE} columns",
         sharp.len()
     ));
     for (length, thesis_px, thesis) in LEAST_WIDTHS {
