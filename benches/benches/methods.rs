@@ -142,7 +142,9 @@ fn time_all(criterion: &mut Criterion, picture: ArrayView2<'_, f32>, still: Arra
     }
     let blur = LineBlur::uniform(LENGTH_PX, ANGLE_DEG)?;
     let mut scene = Array2::zeros(picture.dim());
-    for (name, method) in [("wiener", Method::Wiener), ("richardson-lucy", Method::RichardsonLucy)] {
+    for (name, method) in
+        [("wiener", Method::Wiener), ("richardson-lucy", Method::RichardsonLucy), ("sliding-dct", Method::SlidingDct)]
+    {
         let mut restorer = Restorer::new(picture.dim(), &blur, method)?;
         bench.time("restore", name, || restorer.restore(picture, scene.view_mut()))?;
     }

@@ -195,7 +195,7 @@ fn restoring_allocates_only_for_the_first_channel() {
         let pictures = pictures(dim);
         let blur = LineBlur::uniform(12.5, 37.0).unwrap();
         let mut scene = Array2::zeros(dim);
-        for method in [Method::Wiener, Method::RichardsonLucy] {
+        for method in [Method::Wiener, Method::RichardsonLucy, Method::SlidingDct] {
             let mut restorer = Restorer::new(dim, &blur, method).unwrap();
             // The first channel is learnt from.
             let (first, count) = allocations(|| restorer.restore(pictures[0].view(), scene.view_mut()));

@@ -19,7 +19,7 @@ fn the_restored_picture_is_written_and_reported() {
     let folder = folder("restore-one");
     let picture = blurred(200, 160, 12, 1);
     let input = write(&folder, "in.png", &png(picture.clone()));
-    for method in ["wiener", "richardson-lucy"] {
+    for method in ["wiener", "richardson-lucy", "sliding-dct"] {
         let out = folder.join(format!("{method}.png"));
         let (status, records) =
             run_json([&input, &"--restore-method".into(), &method.into(), &"--restore".into(), &out]);

@@ -45,7 +45,7 @@ fn centred(kernel: &Array2<f64>, size: usize) -> PyResult<Array2<f64>> {
 /// The scene behind a blurred picture, as float32 on the scale of the picture, which must be linear in light.
 ///
 /// `image` is an array of rows x columns or rows x columns x channels; each channel is restored. `blur` is a Record or a Blur.
-/// `method` is 'wiener' or 'richardson-lucy'.
+/// `method` is 'wiener', 'richardson-lucy' or 'sliding-dct'.
 #[pyfunction]
 #[pyo3(signature = (image, blur, method = "wiener"))]
 pub(crate) fn restore<'py>(
@@ -57,8 +57,11 @@ pub(crate) fn restore<'py>(
     let method = match method {
         "wiener" => Method::Wiener,
         "richardson-lucy" => Method::RichardsonLucy,
+        "sliding-dct" => Method::SlidingDct,
         other => {
-            return Err(refuse(format!("there is no restoration '{other}': give 'wiener' or 'richardson-lucy'")));
+            return Err(refuse(format!(
+                "there is no restoration '{other}': give 'wiener', 'richardson-lucy' or 'sliding-dct'"
+            )));
         }
     };
     let blur = line_blur(blur)?;

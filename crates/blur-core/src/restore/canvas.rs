@@ -54,6 +54,11 @@ impl Canvas {
         self.inverse.transform()
     }
 
+    /// The half spectrum of the input, which is destroyed.
+    pub(super) fn spectrum(&mut self) -> ArrayView2<'_, Complex32> {
+        self.forward.transform()
+    }
+
     /// The frequencies in cycles per pixel of all bins of the half spectrum, `u` along columns and `v` down.
     pub(super) fn frequencies(&self) -> impl Iterator<Item = (f64, f64)> + use<> {
         let (rows, columns) = self.layout.whole;

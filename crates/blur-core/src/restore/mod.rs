@@ -18,14 +18,17 @@
 //!
 //! # Time and memory
 //!
-//! With Wiener's filter a channel takes up to about 65 transforms of the canvas, with Richardson-Lucy 160 more; the memory
-//! is about 22 bytes for each pixel of the canvas, with Richardson-Lucy 34.
+//! With Wiener's filter a channel takes up to about 65 transforms of the canvas, with Richardson-Lucy 160 more; shrinkage in
+//! blocks takes about as long again as Wiener's filter. The memory is about 22 bytes for each pixel of the canvas, with
+//! Richardson-Lucy 34, with blocks 36.
 
+mod blocks;
 mod canvas;
 mod kernel;
 mod power;
 mod richardson_lucy;
 mod sharpness;
+mod sliding_dct;
 mod wiener;
 
 use ndarray::{ArrayView2, ArrayViewMut2};
@@ -35,6 +38,7 @@ pub use sharpness::sharpness_change;
 
 use self::power::Power;
 use self::richardson_lucy::RichardsonLucy;
+use self::sliding_dct::SlidingDct;
 use self::wiener::Wiener;
 use crate::image::{self, MIN_SIDE};
 use crate::{Error, Result};
@@ -58,6 +62,18 @@ pub enum Method {
     /// N. Dey et al., *Richardson-Lucy algorithm with total variation regularization for 3D confocal microscope
     /// deconvolution*, Microsc. Res. Tech. 69 (2006) 260, eq. 8.
     RichardsonLucy,
+    /// Shrinkage in sliding 16x16 blocks of the DCT, after an inverse that lets more noise pass than Wiener's filter, in two
+    /// passes, in the margin of Wiener's filter: textures and edges stand out of that noise where a filter that is the same
+    /// everywhere gives them up. It takes the noise for white: where strong compression has coloured that, it is far worse than
+    /// Wiener's filter.
+    ///
+    /// # Reference
+    /// K. Dabov, A. Foi and K. Egiazarian, *Image restoration by sparse 3D transform-domain collaborative filtering*, Proc.
+    /// SPIE 6812 (2008), here without its matching of blocks; A. Foi, K. Dabov, V. Katkovnik and K. Egiazarian,
+    /// *Shape-adaptive DCT for denoising and image reconstruction*, Proc. SPIE 6064 (2006), here on squares; for shrinkage after
+    /// a regularised inverse R. Neelamani, H. Choi and R. Baraniuk, *Fourier-wavelet regularized deconvolution for
+    /// ill-conditioned systems*, IEEE Trans. Signal Process. 52 (2004) 418.
+    SlidingDct,
 }
 
 impl Method {
@@ -66,6 +82,7 @@ impl Method {
         match self {
             Self::Wiener => "Wiener's filter",
             Self::RichardsonLucy => "Richardson and Lucy's iteration with total variation",
+            Self::SlidingDct => "shrinkage in sliding blocks of the DCT",
         }
     }
 }
@@ -91,8 +108,16 @@ pub struct Restorer {
     dim: (usize, usize),
     blur: LineBlur,
     wiener: Wiener,
-    iteration: Option<RichardsonLucy>,
+    refinement: Refinement,
     power: Option<Power>,
+}
+
+/// What is done beyond Wiener's filter.
+#[derive(Debug)]
+enum Refinement {
+    Nothing,
+    RichardsonLucy(RichardsonLucy),
+    SlidingDct(Box<SlidingDct>),
 }
 
 impl Restorer {
@@ -108,8 +133,13 @@ impl Restorer {
         }
         blur.check_fits(dim)?;
         let mut wiener = Wiener::new(dim, blur);
-        let iteration = (method == Method::RichardsonLucy).then(|| RichardsonLucy::new(wiener.parts().0));
-        Ok(Self { dim, blur: *blur, wiener, iteration, power: None })
+        let (canvas, ..) = wiener.parts();
+        let refinement = match method {
+            Method::Wiener => Refinement::Nothing,
+            Method::RichardsonLucy => Refinement::RichardsonLucy(RichardsonLucy::new(canvas)),
+            Method::SlidingDct => Refinement::SlidingDct(Box::new(SlidingDct::new(canvas))),
+        };
+        Ok(Self { dim, blur: *blur, wiener, refinement, power: None })
     }
 
     /// Learns how strong scene and noise are from the channels of a picture; one filter then serves them all, until the next
@@ -140,9 +170,10 @@ impl Restorer {
         }
         let noise = self.power.as_ref().map_or(0.0, Power::noise);
         let level = (channel.iter().map(|&p| f64::from(p)).sum::<f64>() / channel.len() as f64) as f32;
-        let scene = match &mut self.iteration {
-            None => self.wiener.restore(channel, level),
-            Some(iteration) => iteration.restore(&mut self.wiener, channel, level, noise),
+        let scene = match &mut self.refinement {
+            Refinement::Nothing => self.wiener.restore(channel, level),
+            Refinement::RichardsonLucy(method) => method.restore(&mut self.wiener, channel, level, noise),
+            Refinement::SlidingDct(method) => method.restore(&mut self.wiener, channel, level, noise),
         };
         for (mut out, scene) in out.rows_mut().into_iter().zip(scene.rows()) {
             out.iter_mut().zip(scene).for_each(|(out, &x)| *out = x + level);

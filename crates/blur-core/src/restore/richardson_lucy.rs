@@ -46,7 +46,7 @@ impl RichardsonLucy {
     ) -> ArrayView2<'_, f32> {
         self.scene.assign(&wiener.restore(picture, level));
         wiener.lay_observed(picture, level);
-        let (canvas, transfer) = wiener.parts();
+        let (canvas, transfer, _) = wiener.parts();
         let transfer = flat(transfer);
         self.observed.assign(canvas.input());
         let (low, high) = self.observed.iter().fold((f32::MAX, f32::MIN), |(a, b), &x| (a.min(x), b.max(x)));

@@ -50,7 +50,7 @@ fn log_kurtosis(picture: ArrayView2<'_, f32>, blur: &LineBlur, motion: &LineBlur
     let mut wiener = Wiener::new((rows, columns), blur);
     wiener.set(&Power::fit(&[picture], blur));
     let scene = wiener.restore(picture, picture.mean().unwrap_or(0.0)).to_owned();
-    let (canvas, _) = wiener.parts();
+    let (canvas, ..) = wiener.parts();
     let response: Vec<f32> = canvas
         .frequencies()
         .map(|(u, v)| {

@@ -74,9 +74,9 @@ impl Wiener {
         self.canvas.layout().write_margin(self.canvas.input(), &self.margin.values);
     }
 
-    /// The canvas and the transfer function on it.
-    pub(super) fn parts(&mut self) -> (&mut Canvas, &Array2<Complex32>) {
-        (&mut self.canvas, &self.transfer)
+    /// The canvas, the transfer function on it, and the power of the scene over that of all else.
+    pub(super) fn parts(&mut self) -> (&mut Canvas, &Array2<Complex32>, &Array2<f32>) {
+        (&mut self.canvas, &self.transfer, &self.ratio)
     }
 
     /// Finds the margin that is most probable given the picture.
@@ -84,7 +84,7 @@ impl Wiener {
     /// `A q`, with `A = H F` and `F` the filter, is the blurred scene behind a whole `q`. A margin that is that of `A q`
     /// continues the scene; it solves the symmetric positive definite system `(1 - A_mm) q_m = A_mo q_o`, `m` the margin
     /// and `o` the picture. A plain iteration of it is the fixed point of EM, which needs some hundred steps.
-    fn fill_margin(&mut self, picture: ArrayView2<'_, f32>, level: f32) {
+    pub(super) fn fill_margin(&mut self, picture: ArrayView2<'_, f32>, level: f32) {
         let Self { canvas, transfer, ratio, margin: Margin { values, residual, direction, image } } = self;
         let (transfer, ratio) = (flat(transfer), flat(ratio));
         let seen = |i: usize, bin: Complex32| {
@@ -137,7 +137,8 @@ fn dot(a: &[f32], b: &[f32]) -> f64 {
     a.iter().zip(b).map(|(&a, &b)| f64::from(a) * f64::from(b)).sum()
 }
 
-fn add(to: &mut [f32], factor: f32, what: &[f32]) {
+/// Adds `factor * what` to the front of `to`, or as far as that goes.
+pub(super) fn add(to: &mut [f32], factor: f32, what: &[f32]) {
     for (to, &what) in to.iter_mut().zip(what) {
         *to += factor * what;
     }

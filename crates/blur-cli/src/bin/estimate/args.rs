@@ -185,6 +185,7 @@ enum LinearizeWhen {
 enum RestoreName {
     Wiener,
     RichardsonLucy,
+    SlidingDct,
 }
 
 impl Args {
@@ -262,6 +263,7 @@ impl Args {
             method: match self.restore_method {
                 None | Some(RestoreName::Wiener) => restore::Method::Wiener,
                 Some(RestoreName::RichardsonLucy) => restore::Method::RichardsonLucy,
+                Some(RestoreName::SlidingDct) => restore::Method::SlidingDct,
             },
         });
         Ok(Options {
