@@ -81,6 +81,26 @@ fn shrinkage_takes_out_the_noise_that_its_inverse_lets_pass() {
 }
 
 #[test]
+fn compression_is_not_taken_for_a_scene() {
+    // It takes the noise of high frequencies away, from which the noise of all is known: what is left looks like a scene.
+    for (seed, length_px, deg) in [(31, 10.0, 20.0), (32, 24.0, 77.0), (33, 41.0, 135.0)] {
+        let motion = Motion::uniform(length_px, AxialAngle::from_deg(deg)).unwrap();
+        let (sharp, blurred) = exposed(seed, (256, 256), &motion);
+        let pixels: Vec<u8> = blurred.iter().map(|&x| x as u8).collect();
+        let mut file = Vec::new();
+        let mut encoder = image::codecs::jpeg::JpegEncoder::new_with_quality(&mut file, 75);
+        encoder.encode(&pixels, 256, 256, image::ExtendedColorType::L8).unwrap();
+        let pixels = image::load_from_memory(&file).unwrap().into_luma8().into_raw();
+        let stored = Array2::from_shape_vec((256, 256), pixels).unwrap().mapv(f32::from);
+        let blur = LineBlur::uniform(length_px, deg).unwrap();
+        let psnr = |method| psnr_db(restored(&stored, &blur, method).view(), sharp.view(), 21);
+        let (simple, ours) = (psnr(Method::Wiener), psnr(Method::default()));
+        // On photographs it is better by 1.4 dB in the mean; on discs, which Wiener's filter likes best, hardly worse.
+        assert!(ours > simple - 0.8, "{length_px} px: {ours} dB, by Wiener's filter {simple} dB");
+    }
+}
+
+#[test]
 fn an_independent_program_restores_no_better() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../fixtures/restore");
     let read = |name: &str| {

@@ -27,6 +27,9 @@ const FIRST_REST: f32 = 0.5;
 const SECOND_REST: f32 = 0.03;
 /// Coefficients stand out of the noise beyond this many standard deviations.
 const THRESHOLD: f32 = 2.2;
+/// How much stronger noise that is not white is where the scene shows than in the mean: the best for some of the same photographs
+/// after JPEG of quality 60 to 80.
+const COLOUR: f64 = 5.0;
 /// Largest ratio of powers: where a noise is next to nothing, `f32` ends.
 const MOST_RATIO: f32 = 1e12;
 
@@ -37,7 +40,9 @@ impl SlidingDct {
         Self { scene: Array2::zeros((rows, columns)), ratio, blocks: Blocks::new(rows, columns) }
     }
 
-    /// The scene of `picture`, less `level`, with white noise of variance `noise`, in the margin of `wiener`.
+    /// The scene of `picture`, less `level`, with white noise of variance `noise`, in the margin of `wiener`. Compression takes
+    /// the high frequencies away that the level of white noise is known from: when Wiener's filter leaves more
+    /// unexplained than such noise would be, the rest is noise too, and where the scene shows more than in the mean.
     pub(super) fn restore(
         &mut self,
         wiener: &mut Wiener,
@@ -46,8 +51,11 @@ impl SlidingDct {
         noise: f64,
     ) -> ArrayView2<'_, f32> {
         let Self { scene, ratio, blocks } = self;
-        let noise = (noise as f32).max(f32::MIN_POSITIVE);
         wiener.fill_margin(picture, level);
+        wiener.lay_observed(picture, level);
+        let (left, white) = wiener.residual();
+        let coloured = COLOUR * (left - white * noise).max(0.0);
+        let noise = ((noise + coloured) as f32).max(f32::MIN_POSITIVE);
         let (_, _, expected) = wiener.parts();
         ratio.assign(expected);
         let seen = inverse(wiener, picture, level, ratio, FIRST_REST, blocks);

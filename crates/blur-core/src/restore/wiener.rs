@@ -74,6 +74,26 @@ impl Wiener {
         self.canvas.layout().write_margin(self.canvas.input(), &self.margin.values);
     }
 
+    /// Mean square of what this filter leaves unexplained of the whole on the input of the canvas, which is destroyed, and what
+    /// it would be in the mean of white noise with variance 1.
+    pub(super) fn residual(&mut self) -> (f64, f64) {
+        let (rows, columns) = self.canvas.layout().whole;
+        let seen = self.canvas.spectrum();
+        let (mut left, mut white) = (0.0, 0.0);
+        for ((bins, transfer), ratio) in seen.rows().into_iter().zip(self.transfer.rows()).zip(self.ratio.rows()) {
+            let last = bins.len() - 1;
+            for (column, ((bin, h), &ratio)) in bins.iter().zip(transfer).zip(ratio).enumerate() {
+                // The other half of the spectrum is alike.
+                let count = if column == 0 || (column == last && columns.is_multiple_of(2)) { 1.0 } else { 2.0 };
+                let rest = 1.0 / (1.0 + h.norm_sqr() * ratio);
+                left += f64::from(count * rest * rest * bin.norm_sqr());
+                white += f64::from(count * rest);
+            }
+        }
+        let size = rows as f64 * columns as f64;
+        (left / (size * size), white / size)
+    }
+
     /// The canvas, the transfer function on it, and the power of the scene over that of all else.
     pub(super) fn parts(&mut self) -> (&mut Canvas, &Array2<Complex32>, &Array2<f32>) {
         (&mut self.canvas, &self.transfer, &self.ratio)

@@ -135,7 +135,7 @@ pub(crate) struct Args {
     #[arg(long, value_name = "OUT.png", help_heading = "Output")]
     restore: Option<PathBuf>,
 
-    /// How to restore [default: wiener]
+    /// How to restore [default: sliding-dct]
     #[arg(long, value_name = "NAME", help_heading = "Output", requires = "restore")]
     restore_method: Option<RestoreName>,
 
@@ -261,7 +261,8 @@ impl Args {
         let restore = self.restore.clone().map(|path| RestoreTo {
             path,
             method: match self.restore_method {
-                None | Some(RestoreName::Wiener) => restore::Method::Wiener,
+                None => restore::Method::default(),
+                Some(RestoreName::Wiener) => restore::Method::Wiener,
                 Some(RestoreName::RichardsonLucy) => restore::Method::RichardsonLucy,
                 Some(RestoreName::SlidingDct) => restore::Method::SlidingDct,
             },
