@@ -6,6 +6,7 @@
 use std::process::Command;
 
 use blur_core::estimate::{AxialAngle, Settings, Status, registry};
+use blur_sim::defocus::Defocus;
 use blur_sim::expose::expose;
 use blur_sim::motion::Motion;
 use blur_sim::scene::{DeadLeaves, dead_leaves};
@@ -108,6 +109,25 @@ fn a_strip_is_measured_along_its_columns_as_along_its_rows() {
     let flat = estimator.estimate(image.view(), AxialAngle::from_deg(0.0)).unwrap();
     assert_eq!(flat.status, Status::Ok);
     assert_eq!(estimator.estimate(image.t(), AxialAngle::from_deg(90.0)).unwrap(), flat);
+}
+
+#[test]
+fn what_did_not_move_is_denied_though_its_rows_are_asked() {
+    let mut estimator = registry::length("whittle").unwrap().build(&Settings::default());
+    let mut status = |scene: &Array2<f64>, seed| {
+        let sensor = Sensor::ideal().with_psnr_db(40.0).unwrap();
+        let picture = f32_from_u8(sensor.record(scene.view(), seed).unwrap().view());
+        estimator.estimate(picture.view(), AxialAngle::from_deg(0.0)).unwrap().status
+    };
+    for seed in 7600..7606 {
+        let sharp = dead_leaves(seed, 128, 200, &DeadLeaves::default()).unwrap();
+        let found = status(&sharp, seed);
+        assert!(matches!(found, Status::NoMotionBlur(_)), "{seed} sharp: {found:?}");
+        let blur = Defocus::new(6.0).unwrap();
+        let scene = dead_leaves(seed, 128 + 16, 200 + 16, &DeadLeaves::default()).unwrap();
+        let found = status(&expose(scene.view(), &blur).unwrap(), seed);
+        assert_ne!(found, Status::Ok, "{seed} out of focus: {found:?}");
+    }
 }
 
 /// The rows of a table of one picture in 16; `None` where there is no data.
