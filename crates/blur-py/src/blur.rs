@@ -45,9 +45,9 @@ fn centred(kernel: &Array2<f64>, size: usize) -> PyResult<Array2<f64>> {
 /// The scene behind a blurred picture, as float32 on the scale of the picture, which must be linear in light.
 ///
 /// `image` is an array of rows x columns or rows x columns x channels; each channel is restored. `blur` is a Record or a Blur.
-/// `method` is 'sliding-dct', 'wiener' or 'richardson-lucy'.
+/// `method` is 'wiener', 'richardson-lucy' or 'sliding-dct'.
 #[pyfunction]
-#[pyo3(signature = (image, blur, method = "sliding-dct"))]
+#[pyo3(signature = (image, blur, method = "wiener"))]
 pub(crate) fn restore<'py>(
     py: Python<'py>,
     image: &Bound<'py, PyAny>,
@@ -60,7 +60,7 @@ pub(crate) fn restore<'py>(
         "sliding-dct" => Method::SlidingDct,
         other => {
             return Err(refuse(format!(
-                "there is no restoration '{other}': give 'sliding-dct', 'wiener' or 'richardson-lucy'"
+                "there is no restoration '{other}': give 'wiener', 'richardson-lucy' or 'sliding-dct'"
             )));
         }
     };

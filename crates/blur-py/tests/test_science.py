@@ -141,7 +141,7 @@ def test_a_blur_by_numbers_is_that_of_its_record(blurred: Pixels) -> None:
     record = motion_blur.estimate(blurred)
     blur = motion_blur.Blur(record.length_px, record.angle_deg)
     assert np.array_equal(motion_blur.restore(blurred, record), motion_blur.restore(blurred, blur))
-    default, *others = [motion_blur.restore(blurred, blur, method) for method in ("sliding-dct", "wiener", "richardson-lucy")]
+    default, *others = [motion_blur.restore(blurred, blur, method) for method in ("wiener", "richardson-lucy", "sliding-dct")]
     assert np.array_equal(motion_blur.restore(blurred, blur), default)
     assert not any(np.array_equal(default, other) for other in others)
 

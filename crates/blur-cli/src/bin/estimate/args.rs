@@ -135,7 +135,7 @@ pub(crate) struct Args {
     #[arg(long, value_name = "OUT.png", help_heading = "Output")]
     restore: Option<PathBuf>,
 
-    /// How to restore [default: sliding-dct]
+    /// How to restore [default: wiener]
     #[arg(long, value_name = "NAME", help_heading = "Output", requires = "restore")]
     restore_method: Option<RestoreName>,
 
